@@ -1,0 +1,105 @@
+"""The hooks of mamo: one registration hook a role.
+
+A plugin is a module with functions named like the hooks below, decorated with ``hookimpl`` and
+registered under the entry-point group ``mamo``. Each returns the components it offers::
+
+    from mamo_core.hookspecs import Component, hookimpl
+
+    @hookimpl
+    def mamo_actions():
+        return [Component(name="nudge", build=build_nudge, options=NudgeOptions)]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import pluggy
+from pydantic import BaseModel, ConfigDict
+
+ENTRY_POINT_GROUP = "mamo"
+hookspec = pluggy.HookspecMarker("mamo")
+hookimpl = pluggy.HookimplMarker("mamo")
+
+
+class Options(BaseModel):
+    """Base of every component's options: immutable, unknown keys refused, no NaN or infinity."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=True)
+
+
+class NoOptions(Options):
+    """For components that have nothing to set."""
+
+
+@dataclass(frozen=True)
+class Component:
+    """A registered part.
+
+    ``build(context, options)`` makes the part for one problem (see ``compose.BuildContext``).
+    ``provides``: capabilities it declares. ``requires``: role -> capabilities it needs there;
+    compose refuses a recipe that lacks one before anything runs.
+    """
+
+    name: str
+    build: Callable[[Any, Any], Any]
+    options: type[Options] = NoOptions
+    summary: str = ""
+    provides: frozenset[str] = frozenset()
+    requires: dict[str, frozenset[str]] = field(default_factory=dict)
+
+
+class HookSpecs:
+    """One method a role; every implementation returns an iterable of Component."""
+
+    @hookspec
+    def mamo_backends(self) -> Iterable[Component]:  # type: ignore[empty-body]
+        """Physics engines: build a ``TransitionModel``."""
+
+    @hookspec
+    def mamo_constraints(self) -> Iterable[Component]:  # type: ignore[empty-body]
+        """Interaction constraints: build an ``InteractionConstraint``."""
+
+    @hookspec
+    def mamo_kinematics(self) -> Iterable[Component]:  # type: ignore[empty-body]
+        """Arm kinematics: build a ``Kinematics``."""
+
+    @hookspec
+    def mamo_collision_checkers(self) -> Iterable[Component]:  # type: ignore[empty-body]
+        """Collision checkers: build a ``CollisionChecker``."""
+
+    @hookspec
+    def mamo_arm_planners(self) -> Iterable[Component]:  # type: ignore[empty-body]
+        """Motion planners: build an ``ArmPlanner``."""
+
+    @hookspec
+    def mamo_retrieval_planners(self) -> Iterable[Component]:  # type: ignore[empty-body]
+        """Retrieval planners: build a ``RetrievalPlanner``."""
+
+    @hookspec
+    def mamo_mapf_solvers(self) -> Iterable[Component]:  # type: ignore[empty-body]
+        """Multi-agent pathfinding solvers: build a ``MAPFSolver``."""
+
+    @hookspec
+    def mamo_actions(self) -> Iterable[Component]:  # type: ignore[empty-body]
+        """Rearrangement actions: build an ``ActionGenerator``."""
+
+    @hookspec
+    def mamo_searches(self) -> Iterable[Component]:  # type: ignore[empty-body]
+        """Search strategies: build a ``SearchStrategy``."""
+
+
+HOOK_OF_ROLE: dict[str, str] = {
+    "backend": "mamo_backends",
+    "constraint": "mamo_constraints",
+    "kinematics": "mamo_kinematics",
+    "collision": "mamo_collision_checkers",
+    "arm_planner": "mamo_arm_planners",
+    "retrieval": "mamo_retrieval_planners",
+    "mapf": "mamo_mapf_solvers",
+    "action": "mamo_actions",
+    "search": "mamo_searches",
+}
+"""Role, as recipes and listings name it, to its hook."""

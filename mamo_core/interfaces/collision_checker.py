@@ -1,0 +1,50 @@
+"""Is a configuration, or the straight joint motion between two, free of collisions?"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from mamo_core.types.geometry import Array, BoolArray, Shape
+
+
+@dataclass(frozen=True, eq=False)
+class HeldObject:
+    """An object fixed to the tool at ``T_tool_object`` (4, 4)."""
+
+    name: str
+    shape: Shape
+    T_tool_object: Array
+
+
+class CollisionWorld(ABC):
+    """The arm, fixtures and some objects at fixed poses."""
+
+    @abstractmethod
+    def free(self, configurations: Array) -> BoolArray:
+        """Which configurations (k, dof) touch nothing: bool (k,)."""
+
+    @abstractmethod
+    def edges_free(self, starts: Array, ends: Array) -> BoolArray:
+        """Which straight joint motions between configurations (k, dof) touch nothing: bool (k,)."""
+
+
+class CollisionChecker(ABC):
+    """Builds worlds for one problem; "free" from a checker is never a mesh collision."""
+
+    @abstractmethod
+    def world(
+        self,
+        object_poses: Array,
+        *,
+        opening: float,
+        ignore: Collection[str] = (),
+        held: HeldObject | None = None,
+        margin: float = 0.0,
+    ) -> CollisionWorld:
+        """The world with the objects at ``object_poses`` (n, 7) but for those in ``ignore``.
+
+        ``opening``: gap between the fingers, m. ``margin``: distance to keep, m. Names in
+        ``ignore`` may be objects or fixtures; the held object must be among them.
+        """

@@ -1,0 +1,35 @@
+"""How the target is taken out: grasp, lift, extract, home."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from mamo_core.types.motion import Motion
+from mamo_core.types.region import SweptRegion
+from mamo_core.types.scene import SceneState
+
+
+@dataclass(frozen=True, eq=False)
+class Retrieval:
+    """A retrieval from home to home, or None with the number of failures by cause."""
+
+    motion: Motion | None
+    causes: Mapping[str, int] = field(default_factory=dict)
+
+
+class RetrievalPlanner(ABC):
+    """Plans retrievals for one problem; motions start and end at home, the gripper closed."""
+
+    @abstractmethod
+    def plan(
+        self, state: SceneState, rng: np.random.Generator, *, ignore_movables: bool = False
+    ) -> Retrieval:
+        """A contact-free retrieval among the objects of ``state``."""
+
+    @abstractmethod
+    def swept_region(self, state: SceneState, motion: Motion) -> SweptRegion:
+        """The space that ``motion`` sweeps with the arm and the held target (the NGR)."""

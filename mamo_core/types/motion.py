@@ -1,0 +1,107 @@
+"""What the arm executes: timed joint trajectories in labelled segments."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from mamo_core.types.geometry import Array, frozen_array
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Joint positions (k, dof) rad at ``times`` (k,) s, linear in between; times start at 0."""
+
+    times: Array
+    positions: Array
+
+    def __post_init__(self) -> None:
+        times = frozen_array(self.times, "trajectory times", (None,))
+        positions = frozen_array(self.positions, "trajectory positions", (None, None))
+        if times.size != positions.shape[0] or times.size == 0:
+            raise ValueError(f"trajectory: {times.size} times for {positions.shape[0]} positions")
+        if times[0] != 0.0 or (np.diff(times) <= 0.0).any():
+            raise ValueError("trajectory: times must start at 0 and increase")
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "positions", positions)
+
+    @property
+    def duration(self) -> float:
+        """Seconds from first to last position."""
+        return float(self.times[-1])
+
+    def at(self, times: Array) -> Array:
+        """Positions (m, dof) at ``times`` (m,), held before the start and after the end."""
+        columns = [np.interp(times, self.times, column) for column in self.positions.T]
+        return np.stack(columns, axis=1)
+
+
+class SegmentKind(StrEnum):
+    """What a segment is for."""
+
+    TRANSIT = "transit"
+    GRIPPER = "gripper"
+    SWEEP = "sweep"
+    RETRACT = "retract"
+    REACH = "reach"
+    LIFT = "lift"
+    CARRY = "carry"
+
+
+@dataclass(frozen=True, eq=False)
+class MotionSegment:
+    """One stretch of a motion.
+
+    ``opening``: gap between the fingers (m) commanded at the end of the segment, reached linearly
+    in time. ``held``: object attached to the tool during the segment; it is attached where it is
+    when the segment starts. ``contact_free``: nothing but the held object may touch the arm.
+    ``settle``: the longest time (s) to wait afterwards until every object rests.
+    """
+
+    kind: SegmentKind
+    trajectory: Trajectory
+    opening: float
+    held: str | None = None
+    contact_free: bool = False
+    settle: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Segments executed one after the other, the gripper starting at ``opening`` (m)."""
+
+    segments: tuple[MotionSegment, ...]
+    opening: float
+
+    def __post_init__(self) -> None:
+        for before, after in zip(self.segments, self.segments[1:], strict=False):
+            gap = np.abs(before.trajectory.positions[-1] - after.trajectory.positions[0]).max()
+            if gap > 1e-6:
+                raise ValueError(
+                    f"motion: {after.kind} starts {gap:.2e} rad away from the end of {before.kind}"
+                )
+
+    @property
+    def start(self) -> Array:
+        """First joint positions (dof,)."""
+        return self.segments[0].trajectory.positions[0]
+
+    @property
+    def end(self) -> Array:
+        """Last joint positions (dof,)."""
+        return self.segments[-1].trajectory.positions[-1]
+
+    @property
+    def duration(self) -> float:
+        """Seconds of all trajectories together, without settling."""
+        return sum(segment.trajectory.duration for segment in self.segments)
+
+    def after_transit(self) -> Motion:
+        """The motion without its leading contact-free transits, which cannot move anything."""
+        first = next(
+            i for i, s in enumerate(self.segments) if not (s.contact_free and s.held is None)
+        )
+        opening = self.segments[first - 1].opening if first else self.opening
+        return Motion(self.segments[first:], opening)

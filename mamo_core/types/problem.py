@@ -1,0 +1,79 @@
+"""A planning problem: a scene, its initial state, how to grasp the target, what is forbidden."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from mamo_core.types.geometry import Array, frozen_array, positive, z_axes
+from mamo_core.types.scene import Mobility, Scene, SceneState
+
+
+@dataclass(frozen=True, eq=False)
+class Grasp:
+    """A way to hold the target.
+
+    ``T_object_tool`` (7,): tool frame in the object's frame while held. ``approach``: straight
+    distance (m) along the tool's x axis before the grasp. ``opening``: gap between the fingers, m.
+    """
+
+    T_object_tool: Array
+    approach: float
+    opening: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "T_object_tool", frozen_array(self.T_object_tool, "grasp", (7,)))
+        positive(self.approach, "grasp approach")
+        positive(self.opening, "grasp opening")
+
+
+@dataclass(frozen=True, eq=False)
+class ConstraintSpec:
+    """An interaction constraint by its registered name, with its options (SI units)."""
+
+    name: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+DEFAULT_CONSTRAINTS: tuple[ConstraintSpec, ...] = (
+    ConstraintSpec("contact"),
+    ConstraintSpec("tilt"),
+    ConstraintSpec("speed"),
+    ConstraintSpec("bounds"),
+)
+"""Nobody touches immovables, nothing tilts, rushes or falls (thesis 2.3.2)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Retrieve the target: grasp it by one of ``grasps`` and carry it to ``home`` (dof,)."""
+
+    name: str
+    scene: Scene
+    initial: SceneState
+    home: Array
+    grasps: tuple[Grasp, ...]
+    constraints: tuple[ConstraintSpec, ...] = DEFAULT_CONSTRAINTS
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "home", frozen_array(self.home, "home", (None,)))
+        targets = [o.name for o in self.scene.objects if o.mobility is Mobility.TARGET]
+        if len(targets) != 1:
+            found = ", ".join(targets) or "none"
+            raise ValueError(f"problem {self.name!r}: exactly one target expected, found {found}")
+        if self.initial.object_poses.shape[0] != len(self.scene.objects):
+            raise ValueError(
+                f"problem {self.name!r}: {self.initial.object_poses.shape[0]} object poses for "
+                f"{len(self.scene.objects)} objects"
+            )
+        if self.home.shape != self.initial.joint_positions.shape:
+            raise ValueError(
+                f"problem {self.name!r}: home has {self.home.size} joints, the initial "
+                f"configuration {self.initial.joint_positions.size}"
+            )
+
+    @property
+    def initial_z_axes(self) -> Array:
+        """World z axes (n, 3) of the objects at the start, the reference of the tilt limit."""
+        return z_axes(self.initial.object_poses)

@@ -1,0 +1,101 @@
+"""What a transition model reports: one observation per step, and the result of a rollout."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from mamo_core.types.geometry import Array, IntArray
+from mamo_core.types.scene import SceneState
+
+ROBOT = 0
+"""Entity number of the robot; objects follow in scene order, then fixtures."""
+
+
+@dataclass(frozen=True, eq=False)
+class StepObservation:
+    """What every engine shows the constraints after every step.
+
+    ``positions`` (n, 3) m and ``z_axes`` (n, 3), world; ``velocities`` (n, 3) m/s of the centres;
+    ``contacts`` (k, 2) entity numbers, each pair in ascending order; ``held``: place of the
+    attached object, or -1.
+    """
+
+    time: float
+    positions: Array
+    z_axes: Array
+    velocities: Array
+    contacts: IntArray
+    held: int = -1
+
+
+@dataclass(frozen=True)
+class Violation:
+    """A broken constraint: ``subject`` (and ``other``, for contacts) at ``time`` s.
+
+    ``value`` and ``limit`` carry the unit of the constraint (rad, m/s, m; contacts 1 and 0).
+    """
+
+    constraint: str
+    subject: str
+    other: str | None
+    time: float
+    value: float
+    limit: float
+
+    def __str__(self) -> str:
+        pair = self.subject if self.other is None else f"{self.subject} - {self.other}"
+        amount = f"{self.value:.3g} > {self.limit:.3g}"
+        return f"{self.constraint}: {pair} at {self.time:.3f} s ({amount})"
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterOverrides:
+    """Masses (kg) and friction coefficients by object name, for one rollout."""
+
+    masses: Mapping[str, float] = field(default_factory=dict)
+    frictions: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Recorded motion: ``times`` (t,), ``joints`` (t, dof), ``openings`` (t,),
+    ``poses`` (t, n, 7)."""
+
+    times: Array
+    joints: Array
+    openings: Array
+    poses: Array
+
+
+@dataclass(frozen=True, eq=False)
+class RolloutResult:
+    """The outcome of executing one motion.
+
+    ``segment_states``: the state at the START of each executed segment. ``moved``: objects
+    displaced by more than 1 cm. ``contacts``: pairs of names that touched. ``stalled``: the arm
+    could not follow. ``continuation``: opaque, for models with the capability exact_continuation.
+    """
+
+    final_state: SceneState
+    violations: tuple[Violation, ...]
+    moved: tuple[str, ...]
+    contacts: frozenset[tuple[str, str]]
+    stalled: bool
+    duration: float
+    steps: int
+    segment_states: tuple[SceneState, ...] = ()
+    trace: Trace | None = None
+    continuation: Any = None
+
+    @property
+    def valid(self) -> bool:
+        """No constraint broken and the arm arrived."""
+        return not self.violations and not self.stalled
+
+
+NO_CONTACTS: IntArray = np.zeros((0, 2), dtype=np.int64)
+"""An observation without contacts."""

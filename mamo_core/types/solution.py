@@ -1,0 +1,90 @@
+"""What a planner returns: a plan that can be replayed, and where the time went."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+from mamo_core.types.action import RearrangementAction
+from mamo_core.types.motion import Motion
+from mamo_core.types.region import SweptRegion
+
+
+class SolutionStatus(StrEnum):
+    """How a search ended."""
+
+    SOLVED = "solved"
+    NO_PLAN_PROVED = "no_plan_proved"
+    BUDGET_EXHAUSTED = "budget_exhausted"
+    VERIFICATION_FAILED = "verification_failed"
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Rearrangements in order, then the retrieval; ``region`` is the NGR that was cleared."""
+
+    actions: tuple[RearrangementAction, ...]
+    retrieval: Motion
+    region: SweptRegion | None = None
+
+    @property
+    def motions(self) -> tuple[Motion, ...]:
+        """Everything the arm executes, in order."""
+        return (*(action.motion for action in self.actions), self.retrieval)
+
+
+@dataclass
+class Statistics:
+    """Filled while planning: CPU ``seconds`` by part, ``counts`` of work, failure ``causes``.
+
+    The keys of ``causes`` read ``subject/action/cause``, for example ``o7/push/no_ik``.
+    """
+
+    seconds: Counter[str] = field(default_factory=Counter)
+    counts: Counter[str] = field(default_factory=Counter)
+    causes: Counter[str] = field(default_factory=Counter)
+
+    @contextmanager
+    def timed(self, part: str) -> Iterator[None]:
+        """Add the CPU seconds of the block to ``part``."""
+        start = time.process_time()
+        try:
+            yield
+        finally:
+            self.seconds[part] += time.process_time() - start  # type: ignore[assignment]
+
+    def failed(self, subject: str, action: str, cause: str, times: int = 1) -> None:
+        """Count a failure by its cause."""
+        self.causes[f"{subject}/{action}/{cause}"] += times
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """The outcome of planning; ``plan`` is there only if it was verified.
+
+    ``reason``: in words, why there is no plan.
+    """
+
+    status: SolutionStatus
+    plan: Plan | None
+    statistics: Statistics
+    reason: str = ""
+    info: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Budget:
+    """The outermost limit: CPU ``seconds`` from ``started`` (process time), or infinite."""
+
+    seconds: float = float("inf")
+    started: float = field(default_factory=time.process_time)
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether the time is up."""
+        return time.process_time() - self.started >= self.seconds
