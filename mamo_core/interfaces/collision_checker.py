@@ -6,7 +6,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Collection
 from dataclasses import dataclass
 
+from mamo_core.errors import PluginError
 from mamo_core.types.geometry import Array, BoolArray, Shape
+from mamo_core.types.region import SweptRegion
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,3 +50,12 @@ class CollisionChecker(ABC):
         ``opening``: gap between the fingers, m. ``margin``: distance to keep, m. Names in
         ``ignore`` may be objects or fixtures; the held object must be among them.
         """
+
+    def swept_region(
+        self, path: Array, *, opening: float, held: HeldObject | None = None
+    ) -> SweptRegion:
+        """What the arm and the held object sweep along ``path`` (k, dof), conservatively.
+
+        Capability ``swept_region``.
+        """
+        raise PluginError(f"{type(self).__name__} does not offer swept_region")

@@ -13,16 +13,15 @@ from mamo_core.types.geometry import Array, frozen_array
 
 @dataclass(frozen=True, eq=False)
 class LinkModel:
-    """A rigid body of the arm. Its frame is the frame of its joint after the joint moved.
+    """A rigid body of the arm; its frame is its joint's frame after the joint moved.
 
-    ``parent``: number of the parent link, -1 the base. ``T_parent_joint`` (4, 4): joint frame at
-    position 0 in the parent link. ``axis`` (3,): joint axis in the joint frame; ``prismatic``:
-    slides along it instead of turning. ``coordinate``: index of the arm joint that moves it, or -1
-    for a finger, which moves with the gripper. ``per_opening``: finger joint position is
-    ``offset + gripper_angle(opening) * per_opening``. Inertia (3, 3) is about ``center_of_mass``,
-    in link axes. ``hull``: convex hull in the link frame (OBJ, m). ``meshes``: exact collision
-    mesh (STL, m, link frame), None if there is none. ``spheres`` (k, 4): conservative cover x, y,
-    z, r of mesh and hull in the link frame.
+    ``parent``: number of the parent link, -1 for the base. ``T_parent_joint`` (4, 4): joint frame
+    at position 0 in the parent link. ``axis`` (3,): joint axis in the joint frame; a ``prismatic``
+    joint slides along it. ``coordinate``: the arm joint that moves it, or -1 for a finger, whose
+    joint stands at the gripper's drive position. ``inertia`` (3, 3) is about ``center_of_mass``
+    (3,), in link axes, kg m^2. ``hulls`` (OBJ) and ``meshes`` (STL): convex pieces the engines
+    use and the exact surfaces, both in the link frame, metres. ``spheres`` (k, 4): x, y, z, r of a
+    cover of the hulls, and so of the meshes.
     """
 
     name: str
@@ -31,26 +30,37 @@ class LinkModel:
     axis: Array
     prismatic: bool
     coordinate: int
-    finger_gain: float
     mass: float
     center_of_mass: Array
     inertia: Array
-    hull: Path | None
-    mesh: Path | None
+    hulls: tuple[Path, ...]
+    meshes: tuple[Path, ...]
     spheres: Array
 
 
 @dataclass(frozen=True, eq=False)
 class GripperModel:
-    """``angle_of_opening``: table (k, 2) of opening (m) -> driving joint position, increasing."""
+    """``drive_of_opening`` (k, 2): opening (m) and the finger joints' position, both increasing.
 
-    max_opening: float
-    closed_opening: float
-    angle_of_opening: Array
+    ``depth``: how far (m) the space between the fingers reaches back from the tool frame.
+    """
 
-    def joint_position(self, opening: float) -> float:
-        """Position of the driving finger joint for a gap between the fingers, m."""
-        table = self.angle_of_opening
+    drive_of_opening: Array
+    depth: float
+
+    @property
+    def closed(self) -> float:
+        """Smallest opening, m."""
+        return float(self.drive_of_opening[0, 0])
+
+    @property
+    def max_opening(self) -> float:
+        """Largest opening, m."""
+        return float(self.drive_of_opening[-1, 0])
+
+    def drive(self, opening: float) -> float:
+        """Position of the finger joints for a gap between the fingers, m."""
+        table = self.drive_of_opening
         return float(np.interp(opening, table[:, 0], table[:, 1]))
 
 

@@ -1,0 +1,126 @@
+"""Which arms there are, and how each is cut out of its published model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from mamo_core.types.geometry import Array
+
+
+@dataclass(frozen=True, eq=False)
+class ArmSpec:
+    """A cut through a URDF of ``example-robot-data``.
+
+    ``locked``: positions of other joints that matter (the rest stay at 0). ``tool_link`` is a URDF
+    link; ``T_link_tool`` (4, 4) puts x along the fingers and y along their opening. ``cover_slack``
+    (m), by link: how far planning spheres may reach beyond the surface. ``body_links``: parts of
+    the robot the arm may hit from link number ``body_first_link`` on. ``finger_zone``: the stretch
+    (m, behind the tool frame) in which the gap between the fingers is measured.
+    """
+
+    name: str
+    urdf: str
+    joints: tuple[str, ...]
+    finger_joints: tuple[str, ...]
+    tool_link: str
+    T_link_tool: Array
+    home: tuple[float, ...]
+    finger_travel: float
+    finger_zone: float
+    cover_slack: Mapping[str, float]
+    locked: Mapping[str, float] = field(default_factory=dict)
+    body_links: tuple[str, ...] = ()
+    body_first_link: int = 3
+
+
+def _translation(x: float, y: float, z: float) -> Array:
+    T = np.eye(4)
+    T[:3, 3] = x, y, z
+    return T
+
+
+# Hand z points along the fingers and y along their opening; the tool frame wants x and y there.
+_PANDA_TOOL = np.array(
+    [[0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.1129], [0.0, 0.0, 0.0, 1.0]]
+)
+
+PR2_RIGHT_ARM = ArmSpec(
+    name="pr2_right_arm",
+    urdf="pr2_description/urdf/pr2.urdf",
+    joints=(
+        "r_shoulder_pan_joint",
+        "r_shoulder_lift_joint",
+        "r_upper_arm_roll_joint",
+        "r_elbow_flex_joint",
+        "r_forearm_roll_joint",
+        "r_wrist_flex_joint",
+        "r_wrist_roll_joint",
+    ),
+    finger_joints=(
+        "r_gripper_l_finger_joint",
+        "r_gripper_l_finger_tip_joint",
+        "r_gripper_r_finger_joint",
+        "r_gripper_r_finger_tip_joint",
+    ),
+    tool_link="r_gripper_palm_link",
+    T_link_tool=_translation(0.20, 0.0, 0.0),
+    home=(-1.68651, -0.184315, -1.67611, -1.66215, 0.285096, -0.658798, 1.41563),
+    finger_travel=0.548,
+    finger_zone=0.07,
+    cover_slack={
+        "r_shoulder_pan_joint": 0.06,
+        "r_shoulder_lift_joint": 0.05,
+        "r_upper_arm_roll_joint": 0.035,
+        "r_elbow_flex_joint": 0.03,
+        "r_forearm_roll_joint": 0.02,
+        "r_wrist_flex_joint": 0.018,
+        "r_wrist_roll_joint": 0.012,
+    },
+    locked={"torso_lift_joint": 0.1},
+    body_links=("base_link", "torso_lift_link"),
+)
+
+PANDA = ArmSpec(
+    name="panda",
+    urdf="panda_description/urdf/panda.urdf",
+    joints=tuple(f"panda_joint{i}" for i in range(1, 8)),
+    finger_joints=("panda_finger_joint1", "panda_finger_joint2"),
+    tool_link="panda_hand",
+    T_link_tool=_PANDA_TOOL,
+    home=(0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785),
+    finger_travel=0.04,
+    finger_zone=0.04,
+    cover_slack={
+        "panda_joint1": 0.05,
+        "panda_joint2": 0.04,
+        "panda_joint3": 0.035,
+        "panda_joint4": 0.03,
+        "panda_joint5": 0.025,
+        "panda_joint6": 0.02,
+        "panda_joint7": 0.012,
+    },
+    body_links=("panda_link0",),
+)
+
+FINGER_COVER_SLACK = 0.008
+"""Slack of the sphere cover on fingers, m: they work close to things."""
+
+SPECS: Mapping[str, ArmSpec] = {spec.name: spec for spec in (PR2_RIGHT_ARM, PANDA)}
+
+
+def robot_data_folder() -> Path:
+    """Where the ``example-robot-data`` wheel keeps its robots.
+
+    Raises:
+        FileNotFoundError: the wheel is not installed.
+    """
+    from importlib.metadata import files
+
+    for entry in files("example-robot-data") or []:
+        if entry.name == "panda.urdf":
+            return Path(str(entry.locate())).resolve().parents[2]
+    raise FileNotFoundError("the package example-robot-data holds no panda.urdf; reinstall it")

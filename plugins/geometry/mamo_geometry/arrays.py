@@ -1,0 +1,235 @@
+"""The flat arrays the compiled kernels work on, and how they are made from models and scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import NamedTuple
+
+import numpy as np
+
+from mamo_core.interfaces.collision_checker import HeldObject
+from mamo_core.robots.kinematics import finger_transforms
+from mamo_core.robots.model import ArmModel
+from mamo_core.types.geometry import Array, Box, IntArray, Shape, matrix_from_pose
+from mamo_core.types.scene import Scene
+
+_CLUSTER_SIZE = 6
+_HELD_CELL = 0.012
+
+
+class ChainArrays(NamedTuple):
+    """A serial arm. Joint i's frame in its parent is ``A + sin(q) B + cos(q) C``, moved by ``t``.
+
+    ``A``, ``B``, ``C`` (dof, 3, 3); ``t`` (dof, 3); ``axis`` (dof, 3): joint axis in the link;
+    ``slide`` (dof, 3): translation in the parent per unit of a prismatic joint, else 0. ``tool`` (3, 4): tool frame in the last link. ``reach`` (dof,): how far the
+    tool can be from the joint's axis, m.
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    t: Array
+    axis: Array
+    slide: Array
+    tool: Array
+    lower: Array
+    upper: Array
+    reach: Array
+
+
+class SphereArrays(NamedTuple):
+    """Spheres in clusters in links, each level with a bounding sphere x, y, z, r.
+
+    ``spheres`` (s, 4), ``clusters`` (c, 4), ``links`` (dof, 4) in link frames; sphere k of cluster
+    c: ``cluster_start[c] <= k < cluster_start[c + 1]``; the same for ``link_start``.
+    ``min_tool_up``: smallest allowed cosine of the angle between the tool's z axis and up.
+    """
+
+    spheres: Array
+    clusters: Array
+    cluster_start: IntArray
+    links: Array
+    link_start: IntArray
+    min_tool_up: float
+
+
+class WorldArrays(NamedTuple):
+    """Primitives: ``centre`` (p, 3), ``rotation`` (p, 3, 3), ``half`` (p, 3), ``round`` (p,).
+
+    A cylinder has ``round`` 1 and half = radius, radius, half height. ``bound`` (p,): bounding
+    radius. ``first_link`` (p,): earlier links are not checked. The first ``fixed`` primitives are
+    large; the rest lie within ``lower``..``upper`` (3,).
+    """
+
+    centre: Array
+    rotation: Array
+    half: Array
+    round: IntArray
+    bound: Array
+    first_link: IntArray
+    fixed: int
+    lower: Array
+    upper: Array
+    margin: float
+
+
+def chain_arrays(arm: ArmModel, T_world_base: Array) -> ChainArrays:
+    """The arm's chain with its base at ``T_world_base`` (4, 4)."""
+    links = [link for link in arm.links if link.coordinate >= 0]
+    A, B, C, t, slide = [], [], [], [], []
+    for link in links:
+        P = T_world_base @ link.T_parent_joint if link.parent < 0 else link.T_parent_joint
+        R, axis = P[:3, :3], link.axis
+        x, y, z = axis
+        K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        outer = np.outer(axis, axis)
+        turning = 0.0 if link.prismatic else 1.0
+        A.append(R @ outer if turning else R)
+        B.append(turning * (R @ K))
+        C.append(turning * (R @ (np.eye(3) - outer)))
+        t.append(P[:3, 3])
+        slide.append(R @ axis if link.prismatic else np.zeros(3))
+    offsets = [np.linalg.norm(link.T_parent_joint[:3, 3]) for link in links[1:]]
+    offsets.append(np.linalg.norm(arm.T_link_tool[:3, 3]))
+    reach = np.cumsum(np.array(offsets)[::-1])[::-1]
+    return ChainArrays(
+        np.array(A),
+        np.array(B),
+        np.array(C),
+        np.array(t),
+        np.array([link.axis for link in links]),
+        np.array(slide),
+        np.ascontiguousarray(arm.T_link_tool[:3]),
+        np.array(arm.lower),
+        np.array(arm.upper),
+        np.maximum(reach, 0.1),
+    )
+
+
+def sphere_arrays(
+    arm: ArmModel, opening: float, held: HeldObject | None, max_tilt: float
+) -> SphereArrays:
+    """The arm's spheres with the fingers at ``opening`` (m) and perhaps a held object."""
+    fingers = finger_transforms(arm.links, arm.gripper.drive(opening))
+    groups: list[list[Array]] = [[] for _ in range(arm.dof)]
+    for number, link in enumerate(arm.links):
+        if link.coordinate >= 0:
+            groups[link.coordinate].append(link.spheres)
+        else:
+            carrier = arm.links[arm.tool_link].coordinate
+            groups[carrier].append(_moved(link.spheres, fingers[number]))
+    if held is not None:
+        cover = shape_spheres(held.shape, _HELD_CELL)
+        groups[-1].append(_moved(cover, arm.T_link_tool @ held.T_tool_object))
+    return _clustered(groups, float(np.cos(max_tilt)))
+
+
+def _moved(spheres: Array, T: Array) -> Array:
+    return np.column_stack([spheres[:, :3] @ T[:3, :3].T + T[:3, 3], spheres[:, 3]])
+
+
+def _clustered(groups: list[list[Array]], min_tool_up: float) -> SphereArrays:
+    spheres, clusters, links = [], [], []
+    cluster_start, link_start = [0], [0]
+    for group in groups:
+        members = np.vstack([*group, np.zeros((0, 4))])
+        links.append(_bounding(members) if len(members) else np.zeros(4))
+        for cluster in _split(members) if len(members) else []:
+            spheres.append(cluster)
+            clusters.append(_bounding(cluster))
+            cluster_start.append(cluster_start[-1] + len(cluster))
+        link_start.append(len(clusters))
+    return SphereArrays(
+        np.vstack(spheres),
+        np.array(clusters),
+        np.array(cluster_start, dtype=np.int64),
+        np.array(links),
+        np.array(link_start, dtype=np.int64),
+        min_tool_up,
+    )
+
+
+def _split(spheres: Array) -> list[Array]:
+    """Halve along the longest side until the clusters are small."""
+    if len(spheres) <= _CLUSTER_SIZE:
+        return [spheres]
+    axis = int(np.argmax(np.ptp(spheres[:, :3], axis=0)))
+    order = np.argsort(spheres[:, axis], kind="stable")
+    half = len(spheres) // 2
+    return _split(spheres[order[:half]]) + _split(spheres[order[half:]])
+
+
+def _bounding(spheres: Array) -> Array:
+    lower = (spheres[:, :3] - spheres[:, 3:]).min(axis=0)
+    upper = (spheres[:, :3] + spheres[:, 3:]).max(axis=0)
+    centre = (lower + upper) / 2.0
+    radius = (np.linalg.norm(spheres[:, :3] - centre, axis=1) + spheres[:, 3]).max()
+    return np.append(centre, radius)
+
+
+def shape_spheres(shape: Shape, cell: float) -> Array:
+    """Spheres (k, 4) covering the sides of a shape, flush with its top and bottom.
+
+    They bulge sideways by under half a ``cell`` (m) but not upwards: a held object that was only
+    just lifted would otherwise seem to touch the floor it stood on.
+    """
+    half = shape.size / 2.0 if isinstance(shape, Box) else np.full(3, shape.radius)
+    half_height = shape.height / 2.0
+    counts = [max(1, int(np.ceil(2.0 * h / cell))) for h in (half[0], half[1])]
+    xs, ys = ((np.arange(n) + 0.5) * (2.0 * h / n) - h for n, h in zip(counts, half, strict=False))
+    x, y = (g.ravel() for g in np.meshgrid(xs, ys, indexing="ij"))
+    rim = cell
+    if isinstance(shape, Box):
+        shell = (np.abs(x) > half[0] - rim) | (np.abs(y) > half[1] - rim)
+    else:
+        distance = np.hypot(x, y)
+        shell = (distance > shape.radius - 1.5 * rim) & (distance < shape.radius + 0.3 * rim)
+    radius = cell * np.sqrt(3.0) / 2.0
+    layers = max(2, int(np.ceil((2.0 * half_height) / cell)))
+    zs = np.linspace(-half_height + radius, half_height - radius, layers)
+    columns = np.column_stack([x[shell], y[shell]])
+    return np.array([[cx, cy, z, radius] for cx, cy in columns for z in zs])
+
+
+def world_arrays(
+    scene: Scene,
+    arm: ArmModel,
+    object_poses: Array,
+    ignore: Collection[str],
+    margin: float,
+) -> WorldArrays:
+    """Fixtures, the robot's own body and the objects, but for those in ``ignore``."""
+    T_world_base = matrix_from_pose(scene.T_world_base)
+    items: list[tuple[Array, Shape, int]] = [
+        (matrix_from_pose(f.pose), f.shape, 0) for f in scene.fixtures if f.name not in ignore
+    ]
+    items += [(T_world_base @ b.T_base_box, Box(b.size), b.first_link) for b in arm.body]
+    fixed = len(items)
+    items += [
+        (matrix_from_pose(pose), o.shape, 0)
+        for o, pose in zip(scene.objects, object_poses, strict=True)
+        if o.name not in ignore
+    ]
+    half = np.array([_half_extents(shape) for _, shape, _ in items]).reshape(-1, 3)
+    centre = np.array([T[:3, 3] for T, _, _ in items]).reshape(-1, 3)
+    bound = np.array([np.hypot(s.footprint_radius, s.height / 2.0) for _, s, _ in items])
+    loose = slice(fixed, None)
+    empty = len(items) == fixed
+    return WorldArrays(
+        centre,
+        np.array([T[:3, :3] for T, _, _ in items]).reshape(-1, 3, 3),
+        half,
+        np.array([0 if isinstance(s, Box) else 1 for _, s, _ in items], dtype=np.int64),
+        bound,
+        np.array([first for _, _, first in items], dtype=np.int64),
+        fixed,
+        np.zeros(3) if empty else (centre[loose] - bound[loose, None]).min(axis=0),
+        np.zeros(3) if empty else (centre[loose] + bound[loose, None]).max(axis=0),
+        margin,
+    )
+
+
+def _half_extents(shape: Shape) -> Array:
+    if isinstance(shape, Box):
+        return shape.size / 2.0
+    return np.array([shape.radius, shape.radius, shape.height / 2.0])

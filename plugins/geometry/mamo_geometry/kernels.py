@@ -1,0 +1,281 @@
+"""Compiled forward kinematics and sphere-against-primitive collision checks."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from mamo_core.types.geometry import Array, BoolArray, IntArray
+from mamo_geometry.arrays import ChainArrays, SphereArrays, WorldArrays
+
+EDGE_STEP = 0.02
+"""An edge is checked every so many metres that its furthest moving point may travel."""
+
+
+@njit(cache=True, fastmath=True)
+def link_frames(chain: ChainArrays, q: Array, R: Array, p: Array) -> None:
+    """World rotations ``R`` (dof, 3, 3) and origins ``p`` (dof, 3) of all links at ``q``."""
+    for i in range(q.shape[0]):
+        s, c = np.sin(q[i]), np.cos(q[i])
+        for col in range(3):
+            l0 = chain.A[i, 0, col] + s * chain.B[i, 0, col] + c * chain.C[i, 0, col]
+            l1 = chain.A[i, 1, col] + s * chain.B[i, 1, col] + c * chain.C[i, 1, col]
+            l2 = chain.A[i, 2, col] + s * chain.B[i, 2, col] + c * chain.C[i, 2, col]
+            if i == 0:
+                R[0, 0, col], R[0, 1, col], R[0, 2, col] = l0, l1, l2
+            else:
+                for row in range(3):
+                    R[i, row, col] = (
+                        R[i - 1, row, 0] * l0 + R[i - 1, row, 1] * l1 + R[i - 1, row, 2] * l2
+                    )
+        t0 = chain.t[i, 0] + chain.slide[i, 0] * q[i]
+        t1 = chain.t[i, 1] + chain.slide[i, 1] * q[i]
+        t2 = chain.t[i, 2] + chain.slide[i, 2] * q[i]
+        if i == 0:
+            p[0, 0], p[0, 1], p[0, 2] = t0, t1, t2
+        else:
+            for row in range(3):
+                p[i, row] = (
+                    p[i - 1, row]
+                    + R[i - 1, row, 0] * t0
+                    + R[i - 1, row, 1] * t1
+                    + R[i - 1, row, 2] * t2
+                )
+
+
+@njit(cache=True, fastmath=True)
+def _place(R: Array, p: Array, i: int, s: Array, k: int) -> tuple[float, float, float]:
+    """Sphere ``k`` of ``s``, given in link ``i``, in the world."""
+    x = p[i, 0] + R[i, 0, 0] * s[k, 0] + R[i, 0, 1] * s[k, 1] + R[i, 0, 2] * s[k, 2]
+    y = p[i, 1] + R[i, 1, 0] * s[k, 0] + R[i, 1, 1] * s[k, 1] + R[i, 1, 2] * s[k, 2]
+    z = p[i, 2] + R[i, 2, 0] * s[k, 0] + R[i, 2, 1] * s[k, 1] + R[i, 2, 2] * s[k, 2]
+    return x, y, z
+
+
+@njit(cache=True, fastmath=True)
+def _near(w: WorldArrays, k: int, x: float, y: float, z: float, r: float) -> bool:
+    """Whether a ball reaches primitive ``k``."""
+    dx, dy, dz = x - w.centre[k, 0], y - w.centre[k, 1], z - w.centre[k, 2]
+    reach = r + w.bound[k]
+    if dx * dx + dy * dy + dz * dz > reach * reach:
+        return False
+    lx = w.rotation[k, 0, 0] * dx + w.rotation[k, 1, 0] * dy + w.rotation[k, 2, 0] * dz
+    ly = w.rotation[k, 0, 1] * dx + w.rotation[k, 1, 1] * dy + w.rotation[k, 2, 1] * dz
+    lz = w.rotation[k, 0, 2] * dx + w.rotation[k, 1, 2] * dy + w.rotation[k, 2, 2] * dz
+    over_z = max(abs(lz) - w.half[k, 2], 0.0)
+    if over_z > r:
+        return False
+    if w.round[k] == 1:
+        side = max(np.sqrt(lx * lx + ly * ly) - w.half[k, 0], 0.0)
+        return side * side + over_z * over_z < r * r
+    over_x = max(abs(lx) - w.half[k, 0], 0.0)
+    over_y = max(abs(ly) - w.half[k, 1], 0.0)
+    return over_x * over_x + over_y * over_y + over_z * over_z < r * r
+
+
+@njit(cache=True, fastmath=True)
+def _shortlist(
+    w: WorldArrays, link: int, x: float, y: float, z: float, r: float, near: IntArray
+) -> int:
+    """Primitives that a ball of link ``link`` reaches, into ``near``; returns their number."""
+    count = 0
+    for k in range(w.fixed):
+        if link >= w.first_link[k] and _near(w, k, x, y, z, r):
+            near[count] = k
+            count += 1
+    if (
+        x + r < w.lower[0]
+        or x - r > w.upper[0]
+        or y + r < w.lower[1]
+        or y - r > w.upper[1]
+        or z + r < w.lower[2]
+        or z - r > w.upper[2]
+    ):
+        return count
+    for k in range(w.fixed, w.centre.shape[0]):
+        if _near(w, k, x, y, z, r):
+            near[count] = k
+            count += 1
+    return count
+
+
+@njit(cache=True, fastmath=True)
+def _cluster_hits(
+    s: SphereArrays, w: WorldArrays, R: Array, p: Array, i: int, c: int, near: IntArray, count: int
+) -> bool:
+    x, y, z = _place(R, p, i, s.clusters, c)
+    r = s.clusters[c, 3] + w.margin
+    for n in range(count):
+        k = near[n]
+        if not _near(w, k, x, y, z, r):
+            continue
+        for m in range(s.cluster_start[c], s.cluster_start[c + 1]):
+            a, b, d = _place(R, p, i, s.spheres, m)
+            if _near(w, k, a, b, d, s.spheres[m, 3] + w.margin):
+                return True
+    return False
+
+
+@njit(cache=True, fastmath=True)
+def is_free(
+    chain: ChainArrays,
+    s: SphereArrays,
+    w: WorldArrays,
+    q: Array,
+    R: Array,
+    p: Array,
+    near: IntArray,
+) -> bool:
+    """Whether the arm at ``q`` (dof,) is clear; ``R``, ``p``, ``near`` are scratch space."""
+    link_frames(chain, q, R, p)
+    last = q.shape[0] - 1
+    if s.min_tool_up > -1.0:
+        up = (
+            R[last, 2, 0] * chain.tool[0, 2]
+            + R[last, 2, 1] * chain.tool[1, 2]
+            + R[last, 2, 2] * chain.tool[2, 2]
+        )
+        if up < s.min_tool_up:
+            return False
+    # The hand is the likeliest to touch something: from the last link to the first.
+    for back in range(q.shape[0]):
+        i = last - back
+        x, y, z = _place(R, p, i, s.links, i)
+        count = _shortlist(w, i, x, y, z, s.links[i, 3] + w.margin, near)
+        if count == 0:
+            continue
+        for c in range(s.link_start[i], s.link_start[i + 1]):
+            if _cluster_hits(s, w, R, p, i, c, near, count):
+                return False
+    return True
+
+
+@njit(cache=True)
+def free_batch(
+    chain: ChainArrays, s: SphereArrays, w: WorldArrays, configurations: Array
+) -> BoolArray:
+    """Which configurations (k, dof) are free."""
+    count, dof = configurations.shape
+    R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
+    near = np.empty(w.centre.shape[0], dtype=np.int64)
+    result = np.empty(count, dtype=np.bool_)
+    for n in range(count):
+        result[n] = is_free(chain, s, w, configurations[n], R, p, near)
+    return result
+
+
+@njit(cache=True)
+def edge_steps(chain: ChainArrays, a: Array, b: Array) -> int:
+    """Number of pieces an edge is cut into, so that nothing travels more than EDGE_STEP in one."""
+    travel = 0.0
+    for j in range(a.shape[0]):
+        travel += abs(b[j] - a[j]) * chain.reach[j]
+    return max(1, int(np.ceil(travel / EDGE_STEP)))
+
+
+@njit(cache=True)
+def edge_is_free(
+    chain: ChainArrays,
+    s: SphereArrays,
+    w: WorldArrays,
+    a: Array,
+    b: Array,
+    R: Array,
+    p: Array,
+    near: IntArray,
+    checks: IntArray,
+) -> bool:
+    """Whether the straight motion from ``a`` to ``b`` is free, ``a`` itself not checked.
+
+    Midpoints first (van der Corput order): a blocked edge shows early. Adds to ``checks[0]``.
+    """
+    steps = edge_steps(chain, a, b)
+    q = np.empty(a.shape[0])
+    stride = 1
+    while stride < steps:
+        stride *= 2
+    checks[0] += 1
+    if not is_free(chain, s, w, b, R, p, near):
+        return False
+    while stride > 1:
+        half = stride // 2
+        for n in range(half, steps, stride):
+            fraction = n / steps
+            for j in range(a.shape[0]):
+                q[j] = a[j] + fraction * (b[j] - a[j])
+            checks[0] += 1
+            if not is_free(chain, s, w, q, R, p, near):
+                return False
+        stride = half
+    return True
+
+
+@njit(cache=True)
+def edges_batch(
+    chain: ChainArrays, s: SphereArrays, w: WorldArrays, starts: Array, ends: Array
+) -> BoolArray:
+    """Which straight motions between configurations (k, dof), both ends included, are free."""
+    count, dof = starts.shape
+    R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
+    near = np.empty(w.centre.shape[0], dtype=np.int64)
+    checks = np.zeros(1, dtype=np.int64)
+    result = np.empty(count, dtype=np.bool_)
+    for n in range(count):
+        result[n] = is_free(chain, s, w, starts[n], R, p, near) and edge_is_free(
+            chain, s, w, starts[n], ends[n], R, p, near, checks
+        )
+    return result
+
+
+@njit(cache=True)
+def sweep_heights(
+    chain: ChainArrays,
+    s: SphereArrays,
+    path: Array,
+    origin: Array,
+    resolution: float,
+    lowest: Array,
+) -> None:
+    """Lower ``lowest`` (nx, ny) to the lowest height the spheres reach over each cell.
+
+    ``path`` (k, dof) is followed straight from one configuration to the next. A cell counts the
+    nearest point of its square to each sphere, so nothing is missed.
+    """
+    dof = path.shape[1]
+    R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
+    q = np.empty(dof)
+    for n in range(path.shape[0]):
+        steps = 1
+        if n > 0:
+            steps = edge_steps(chain, path[n - 1], path[n])
+        for m in range(1, steps + 1):
+            for j in range(dof):
+                before = path[max(n - 1, 0), j]
+                q[j] = before + (m / steps) * (path[n, j] - before)
+            link_frames(chain, q, R, p)
+            for i in range(dof):
+                for c in range(s.link_start[i], s.link_start[i + 1]):
+                    for k in range(s.cluster_start[c], s.cluster_start[c + 1]):
+                        x, y, z = _place(R, p, i, s.spheres, k)
+                        _stamp(x, y, z, s.spheres[k, 3], origin, resolution, lowest)
+
+
+@njit(cache=True, fastmath=True)
+def _stamp(
+    x: float, y: float, z: float, r: float, origin: Array, resolution: float, lowest: Array
+) -> None:
+    nx, ny = lowest.shape
+    i0 = max(int(np.floor((x - r - origin[0]) / resolution)), 0)
+    i1 = min(int(np.floor((x + r - origin[0]) / resolution)), nx - 1)
+    j0 = max(int(np.floor((y - r - origin[1]) / resolution)), 0)
+    j1 = min(int(np.floor((y + r - origin[1]) / resolution)), ny - 1)
+    for i in range(i0, i1 + 1):
+        left = origin[0] + i * resolution
+        dx = max(left - x, x - left - resolution, 0.0)
+        for j in range(j0, j1 + 1):
+            near_side = origin[1] + j * resolution
+            dy = max(near_side - y, y - near_side - resolution, 0.0)
+            rest = r * r - dx * dx - dy * dy
+            if rest > 0.0:
+                height = z - np.sqrt(rest)
+                lowest[i, j] = min(lowest[i, j], height)

@@ -1,0 +1,94 @@
+"""The conservative collision checker: sphere covers against boxes and cylinders."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld, HeldObject
+from mamo_core.robots.model import ArmModel
+from mamo_core.types.geometry import Array, BoolArray, matrix_from_pose
+from mamo_core.types.region import SweptRegion
+from mamo_core.types.scene import Scene
+from mamo_geometry.arrays import (
+    ChainArrays,
+    SphereArrays,
+    WorldArrays,
+    chain_arrays,
+    sphere_arrays,
+    world_arrays,
+)
+from mamo_geometry.kernels import edges_batch, free_batch, sweep_heights
+from mamo_geometry.options import SphereCheckerOptions
+
+
+class SphereWorld(CollisionWorld):
+    """Arrays ready for the kernels; the compiled planner of this package reads them, too."""
+
+    def __init__(self, chain: ChainArrays, spheres: SphereArrays, world: WorldArrays) -> None:
+        self.chain, self.spheres, self.world = chain, spheres, world
+
+    def free(self, configurations: Array) -> BoolArray:
+        return free_batch(self.chain, self.spheres, self.world, _rows(configurations))
+
+    def edges_free(self, starts: Array, ends: Array) -> BoolArray:
+        return edges_batch(self.chain, self.spheres, self.world, _rows(starts), _rows(ends))
+
+
+class SphereChecker(CollisionChecker):
+    """Conservative: the spheres cover every hull and mesh of the arm."""
+
+    def __init__(self, scene: Scene, arm: ArmModel, options: SphereCheckerOptions) -> None:
+        self._scene, self._arm, self._options = scene, arm, options
+        self._chain = chain_arrays(arm, matrix_from_pose(scene.T_world_base))
+        self._bare: dict[float, SphereArrays] = {}
+
+    def world(
+        self,
+        object_poses: Array,
+        *,
+        opening: float,
+        ignore: Collection[str] = (),
+        held: HeldObject | None = None,
+        margin: float = 0.0,
+    ) -> SphereWorld:
+        arrays = world_arrays(
+            self._scene, self._arm, object_poses, ignore, self._options.margin + margin
+        )
+        return SphereWorld(self._chain, self._spheres(opening, held), arrays)
+
+    def swept_region(
+        self, path: Array, *, opening: float, held: HeldObject | None = None
+    ) -> SweptRegion:
+        region = self._empty_region()
+        lowest = np.array(region.lowest)
+        sweep_heights(
+            self._chain,
+            self._spheres(opening, held),
+            _rows(path),
+            np.array(region.origin),
+            region.resolution,
+            lowest,
+        )
+        return SweptRegion(region.origin, region.resolution, lowest, region.floor)
+
+    def _empty_region(self) -> SweptRegion:
+        """Covers the workspace and a border, for objects that overhang the front."""
+        workspace, cell = self._scene.workspace, self._options.region_resolution
+        border = workspace.overhang + 0.15
+        lower = workspace.lower[:2] - border
+        shape = np.ceil((workspace.upper[:2] + border - lower) / cell).astype(int)
+        return SweptRegion(lower, cell, np.full(tuple(shape), np.inf), workspace.floor)
+
+    def _spheres(self, opening: float, held: HeldObject | None) -> SphereArrays:
+        if held is not None:
+            tilt = float(np.radians(self._options.max_held_tilt_deg))
+            return sphere_arrays(self._arm, opening, held, tilt)
+        if opening not in self._bare:
+            self._bare[opening] = sphere_arrays(self._arm, opening, None, np.pi)
+        return self._bare[opening]
+
+
+def _rows(configurations: Array) -> Array:
+    return np.ascontiguousarray(np.atleast_2d(configurations), dtype=np.float64)
