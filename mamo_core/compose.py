@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from mamo_core.config import Located, validated
+from mamo_core.errors import InputError, PluginError
+from mamo_core.hookspecs import Component, Options
 from mamo_core.interfaces.action_generator import ActionGenerator
 from mamo_core.interfaces.arm_planner import ArmPlanner
 from mamo_core.interfaces.collision_checker import CollisionChecker
@@ -11,9 +18,16 @@ from mamo_core.interfaces.constraint import InteractionConstraint
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.interfaces.mapf_solver import MAPFSolver
 from mamo_core.interfaces.retrieval import RetrievalPlanner
+from mamo_core.interfaces.search_strategy import ProgressCallback, SearchStrategy
 from mamo_core.interfaces.transition_model import TransitionModel
+from mamo_core.plugins import Registry
+from mamo_core.recipes import LoadedRecipe
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.problem import Problem
+from mamo_core.types.solution import Budget, Plan, Solution
+
+if TYPE_CHECKING:
+    from mamo_core.verify import VerifyReport
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +36,7 @@ class BuildContext:
 
     Built in this order: constraints, backend, kinematics, collision, arm_planner, retrieval,
     mapf, actions, search. A part that is not built yet, or not in the recipe, is None.
+    ``verifier`` replays a plan with the backend; it is there as soon as the backend is.
     """
 
     problem: Problem
@@ -34,3 +49,213 @@ class BuildContext:
     retrieval: RetrievalPlanner | None = None
     mapf: MAPFSolver | None = None
     actions: tuple[tuple[str, ActionGenerator], ...] = ()
+    verifier: Callable[[Plan], VerifyReport] | None = None
+
+    def part(self, role: str) -> Any:
+        """The part built for ``role``, for components that cannot do without it.
+
+        Raises:
+            InputError: the recipe has no such part, or it is built later.
+        """
+        built = getattr(self, role)
+        if built is None:
+            raise InputError(f"a part {role!r} is needed, and the recipe gives none before this")
+        return built
+
+
+BUILD_ORDER = (
+    "constraint",
+    "backend",
+    "kinematics",
+    "collision",
+    "arm_planner",
+    "retrieval",
+    "mapf",
+    "action",
+    "search",
+)
+_SLACK = 1e-6  # rad; files may hold rounded joint positions
+_SEVERAL = {"constraint": "constraints", "action": "actions"}
+
+
+@dataclass(frozen=True, eq=False)
+class Planner:
+    """A recipe made for one problem."""
+
+    recipe: LoadedRecipe
+    context: BuildContext
+    search: SearchStrategy
+
+    def solve(
+        self,
+        budget_seconds: float = float("inf"),
+        seed: int = 0,
+        progress: ProgressCallback = lambda text: None,
+    ) -> Solution:
+        """Search for a verified plan; the same seed gives the same plan."""
+        rng = np.random.default_rng(seed)
+        return self.search.solve(Budget(budget_seconds), rng, progress)
+
+    def verify(self, plan: Plan) -> VerifyReport:
+        """Replay the whole plan in one rollout and check every claim."""
+        return make_verifier(self.context)(plan)
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """A component with its options, and the place that asked for it."""
+
+    role: str
+    component: Component
+    options: Options
+    place: str
+
+
+def compose(
+    recipe: LoadedRecipe, problem: Problem, registry: Registry, robot: ArmModel | None = None
+) -> Planner:
+    """Build all parts of a recipe for a problem; ``robot`` is loaded unless it is given.
+
+    Raises:
+        InputError: unknown component or robot, wrong options, or a capability that is missing.
+        PluginError: a component whose packages are not installed.
+    """
+    choices = choose(recipe, problem, registry)
+    context = build_parts(choices, problem, robot)
+    search = next(choice for choice in choices if choice.role == "search")
+    return Planner(recipe, context, _build(search, context))
+
+
+def choose(
+    recipe: LoadedRecipe,
+    problem: Problem,
+    registry: Registry,
+    roles: Collection[str] = BUILD_ORDER,
+) -> tuple[Choice, ...]:
+    """The components of some roles, in building order, checked against each other.
+
+    Raises:
+        InputError: unknown component, wrong options, or a capability that is missing.
+    """
+    choices: list[Choice] = []
+    for role in BUILD_ORDER:
+        if role == "constraint" and role in roles:
+            choices += _constraint_choices(problem, registry)
+        elif role in roles:
+            choices += [
+                _choice(registry, role, part.name, part.options, part.place)
+                for part in recipe.parts(role)
+            ]
+    check_requirements(choices)
+    return tuple(choices)
+
+
+def check_requirements(choices: Sequence[Choice]) -> None:
+    """Refuse a recipe with a component that needs what another one does not provide."""
+    for choice in choices:
+        for role, needed in choice.component.requires.items():
+            others = [other for other in choices if other.role == role]
+            if not others:
+                raise InputError(f"{choice.place}: {_named(choice)} needs a part {role!r}")
+            for other in others:
+                _check_provides(choice, other, needed)
+
+
+def build_parts(
+    choices: Sequence[Choice], problem: Problem, robot: ArmModel | None = None
+) -> BuildContext:
+    """Build everything but the search, in the order of ``choices``."""
+    arm = robot if robot is not None else _load_robot(problem)
+    _check_joints(problem, arm)
+    context = BuildContext(problem=problem, robot=arm)
+    for role, attribute in ((r, _SEVERAL.get(r, r)) for r in BUILD_ORDER if r != "search"):
+        chosen = [choice for choice in choices if choice.role == role]
+        built = tuple((choice.component.name, _build(choice, context)) for choice in chosen)
+        if role == "constraint":
+            context = replace(context, constraints=tuple(part for _, part in built))
+        elif role == "action":
+            context = replace(context, actions=built)
+        elif built:
+            context = replace(context, **{attribute: built[0][1]})
+        if role == "backend" and built:
+            context = replace(context, verifier=make_verifier(context))
+    return context
+
+
+def make_verifier(context: BuildContext) -> Callable[[Plan], VerifyReport]:
+    """A function that verifies plans for the problem of ``context`` with its backend."""
+    model = context.backend
+    if model is None:
+        raise ValueError("verification needs a backend")
+
+    def check(plan: Plan) -> VerifyReport:
+        from mamo_core.verify import verify
+
+        return verify(context.problem, plan, model, context.robot)
+
+    return check
+
+
+def _load_robot(problem: Problem) -> ArmModel:
+    from mamo_core.robots import load_arm  # reads meshes, which only building needs
+
+    return load_arm(problem.scene.robot)
+
+
+def _check_joints(problem: Problem, robot: ArmModel) -> None:
+    """The types alone do not know how many joints the robot has, nor their limits."""
+    states = {"initial": problem.initial.joint_positions, "home": problem.home}
+    for name, joints in states.items():
+        if joints.size != robot.dof:
+            raise InputError(
+                f"problem {problem.name!r}: {name} configuration has {joints.size} joints, "
+                f"robot {robot.name!r} has {robot.dof}"
+            )
+        for joint, value, low, high in zip(
+            robot.joint_names, joints, robot.lower, robot.upper, strict=True
+        ):
+            if not low - _SLACK <= value <= high + _SLACK:
+                raise InputError(
+                    f"problem {problem.name!r}: {name} configuration: {joint} is {value:.6g}, "
+                    f"expected {low:.6g} to {high:.6g}"
+                )
+
+
+def _constraint_choices(problem: Problem, registry: Registry) -> list[Choice]:
+    place = f"problem {problem.name!r}: constraints"
+    return [
+        _choice(
+            registry,
+            "constraint",
+            spec.name,
+            Located(dict(spec.options), f"{place}: {spec.name}"),
+            place,
+        )
+        for spec in problem.constraints
+    ]
+
+
+def _choice(registry: Registry, role: str, name: str, options: Located, place: str) -> Choice:
+    component = registry.component(role, name, place)
+    return Choice(role, component, validated(component.options, options), place)
+
+
+def _check_provides(choice: Choice, other: Choice, needed: Collection[str]) -> None:
+    missing = sorted(set(needed) - other.component.provides)
+    if missing:
+        provided = ", ".join(sorted(other.component.provides)) or "nothing"
+        raise InputError(
+            f"{choice.place}: {_named(choice)} needs {', '.join(missing)} from the {other.role}, "
+            f"but {_named(other)} provides {provided}"
+        )
+
+
+def _build(choice: Choice, context: BuildContext) -> Any:
+    try:
+        return choice.component.build(context, choice.options)
+    except ImportError as error:
+        raise PluginError(f"{_named(choice)} cannot be built: {error}") from error
+
+
+def _named(choice: Choice) -> str:
+    return f"{choice.role} {choice.component.name!r}"

@@ -14,10 +14,15 @@ from mamo_core.types.scene import SceneState
 
 @dataclass(frozen=True)
 class RolloutOptions:
-    """``stop_early``: end at the first violation. ``trace_step``: record every so many seconds."""
+    """How to run.
+
+    ``stop_early``: end at the first violation. ``trace_step``: record every so many seconds.
+    ``keep``: put a ``continuation`` into the result, where the model can.
+    """
 
     stop_early: bool = True
     trace_step: float | None = None
+    keep: bool = False
 
 
 class TransitionModel(ABC):

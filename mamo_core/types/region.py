@@ -59,3 +59,9 @@ class SweptRegion:
     def overlaps(self, shape: Shape, pose: npt.ArrayLike) -> bool:
         """Whether the standing shape is inside the region."""
         return self.overlap(shape, pose) > 0.0
+
+    def united(self, other: SweptRegion) -> SweptRegion:
+        """The space that either region sweeps; both must have the same cells."""
+        return SweptRegion(
+            self.origin, self.resolution, np.minimum(self.lowest, other.lowest), self.floor
+        )

@@ -1,0 +1,1 @@
+"""Pictures of problems and plans; matplotlib is imported when the first one is drawn."""

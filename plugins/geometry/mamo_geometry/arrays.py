@@ -21,8 +21,8 @@ class ChainArrays(NamedTuple):
     """A serial arm. Joint i's frame in its parent is ``A + sin(q) B + cos(q) C``, moved by ``t``.
 
     ``A``, ``B``, ``C`` (dof, 3, 3); ``t`` (dof, 3); ``axis`` (dof, 3): joint axis in the link;
-    ``slide`` (dof, 3): translation in the parent per unit of a prismatic joint, else 0. ``tool`` (3, 4): tool frame in the last link. ``reach`` (dof,): how far the
-    tool can be from the joint's axis, m.
+    ``slide`` (dof, 3): translation in the parent per unit of a prismatic joint, else 0. ``tool``
+    (3, 4): tool frame in the last link. ``reach`` (dof,): how far the tool can be from a joint, m.
     """
 
     A: Array

@@ -1,0 +1,43 @@
+"""Files that are written completely or not at all."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from mamo_core.errors import InputError
+
+
+def check_writable(path: str | Path) -> None:
+    """Find out before the work, not after it, that a result cannot be written.
+
+    Raises:
+        InputError: the folder is missing or not writable, or ``path`` is no regular file.
+    """
+    target = Path(path)
+    if not target.parent.is_dir():
+        raise InputError(f"{target}: no such folder {str(target.parent)!r}")
+    if target.exists() and not target.is_file():  # renaming would replace a device such as null
+        kind = "folder" if target.is_dir() else "device or pipe"
+        raise InputError(f"{target}: is a {kind}, expected a file")
+    if not os.access(target.parent, os.W_OK):
+        raise InputError(f"{target}: folder {str(target.parent)!r} cannot be written")
+
+
+@contextmanager
+def atomic_path(path: str | Path) -> Iterator[Path]:
+    """A path to write to, renamed to ``path`` in the end, or deleted if the block fails.
+
+    It has the same ending, by which many writers choose their format.
+    """
+    check_writable(path)
+    target = Path(path).resolve()  # a link goes on pointing to the file
+    work = target.with_name(f".{secrets.token_hex(4)}.{target.name}")
+    try:
+        yield work
+        os.replace(work, target)
+    finally:
+        work.unlink(missing_ok=True)

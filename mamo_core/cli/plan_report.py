@@ -1,0 +1,130 @@
+"""What ``mamo plan`` tells about a solution."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mamo_core.cli.output import print_json, print_table
+from mamo_core.types.solution import Plan, Solution, SolutionStatus
+
+if TYPE_CHECKING:
+    from mamo_core.verify import VerifyReport
+
+DONE = 0
+NO_PLAN = 3
+NOT_VERIFIED = 4
+
+
+@dataclass(frozen=True, eq=False)
+class PlanReport:
+    """A solution and what an independent verification said about it."""
+
+    problem: str
+    recipe: str
+    seed: int
+    solution: Solution
+    verification: VerifyReport | None
+    cpu_seconds: float
+
+    @property
+    def status(self) -> SolutionStatus:
+        """The solution's, unless its plan did not pass."""
+        if self.verification is not None and not self.verification.ok:
+            return SolutionStatus.VERIFICATION_FAILED
+        return self.solution.status
+
+    @property
+    def verified_plan(self) -> Plan | None:
+        """The plan, if it passed."""
+        return self.solution.plan if self.status is SolutionStatus.SOLVED else None
+
+    @property
+    def exit_code(self) -> int:
+        """0, 3 or 4."""
+        codes = {SolutionStatus.SOLVED: DONE, SolutionStatus.VERIFICATION_FAILED: NOT_VERIFIED}
+        return codes.get(self.status, NO_PLAN)
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """What the verification complained about."""
+        return self.verification.failures if self.verification is not None else ()
+
+
+def print_report(
+    report: PlanReport, output: Path | None, png: Path | None, *, as_json: bool
+) -> None:
+    """The result on stdout."""
+    written = output if report.verified_plan is not None else None
+    if as_json:
+        print_json("plan", _data(report, written, png))
+        return
+    print_table(f"{report.problem}: {report.status}", ("", ""), _summary(report, written, png))
+    print_table("\nCPU seconds", ("part", "s"), _seconds(report), right=1)
+    if report.verified_plan is None and report.solution.statistics.causes:
+        rows = list(cause_rows(report.solution.statistics.causes))
+        print_table("\nwhy", ("object", "action", "cause", "times"), rows, right=3)
+
+
+def cause_rows(causes: Counter[str]) -> Iterator[tuple[str, str, str, str]]:
+    """Object, action, cause and number of times, the most frequent first."""
+    for key, times in sorted(causes.items(), key=lambda item: (-item[1], item[0])):
+        subject, action, cause = (*key.split("/", 2), "", "")[:3]
+        yield subject, action, cause, str(times)
+
+
+def _summary(report: PlanReport, output: Path | None, png: Path | None) -> Iterator[list[str]]:
+    solution = report.solution
+    yield ["planner", report.recipe]
+    yield ["seed", str(report.seed)]
+    if solution.reason:
+        yield ["reason", solution.reason]
+    if solution.plan is not None:
+        actions = [f"{action.kind} {action.object_name}" for action in solution.plan.actions]
+        yield ["actions", ", ".join([*actions, "retrieve"])]
+    for name, count in sorted(solution.statistics.counts.items()):
+        yield [name.replace("_", " "), str(count)]
+    yield ["verification", _verification(report)]
+    for failure in report.failures:
+        yield ["", failure]
+    if output is not None:
+        yield ["plan", str(output)]
+    if png is not None:
+        yield ["picture", str(png)]
+
+
+def _verification(report: PlanReport) -> str:
+    if report.verification is None:
+        return "nothing to verify"
+    return "passed" if report.verification.ok else "FAILED"
+
+
+def _seconds(report: PlanReport) -> Iterator[list[str]]:
+    for part, seconds in report.solution.statistics.seconds.most_common():
+        yield [part, f"{seconds:.2f}"]
+    yield ["total", f"{report.cpu_seconds:.2f}"]
+
+
+def _data(report: PlanReport, output: Path | None, png: Path | None) -> dict[str, Any]:
+    solution = report.solution
+    statistics = solution.statistics
+    actions = solution.plan.actions if solution.plan is not None else ()
+    return {
+        "problem": report.problem,
+        "planner": report.recipe,
+        "seed": report.seed,
+        "status": str(report.status),
+        "verified": report.verification.ok if report.verification is not None else None,
+        "failures": list(report.failures),
+        "reason": solution.reason,
+        "actions": [{"kind": a.kind, "object": a.object_name} for a in actions],
+        "cpu_s": report.cpu_seconds,
+        "parts": {part: float(seconds) for part, seconds in statistics.seconds.items()},
+        "counts": {name: int(count) for name, count in statistics.counts.items()},
+        "causes": {key: int(times) for key, times in statistics.causes.most_common()},
+        "plan_file": str(output) if output is not None else None,
+        "picture": str(png) if png is not None else None,
+    }

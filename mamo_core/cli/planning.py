@@ -1,0 +1,112 @@
+"""The work behind ``mamo plan``."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mamo_core.atomic import atomic_path, check_writable
+from mamo_core.cli.output import progress, warn_of_broken_plugins
+from mamo_core.cli.plan_report import PlanReport, print_report
+from mamo_core.compose import Planner, compose
+from mamo_core.errors import InputError
+from mamo_core.interfaces.search_strategy import ProgressCallback
+from mamo_core.plan_file import PlanDocument, write_plan
+from mamo_core.plugins import discover
+from mamo_core.problems import load_problem
+from mamo_core.recipe_sets import apply_sets, override
+from mamo_core.recipes import LoadedRecipe, find_recipe, load_recipe
+from mamo_core.types.problem import Problem
+from mamo_core.types.solution import Plan
+
+if TYPE_CHECKING:
+    from mamo_core.verify import VerifyReport
+
+
+@dataclass(frozen=True)
+class PlanOrder:
+    """The arguments of ``mamo plan``."""
+
+    problem: str
+    planner: str
+    backend: str | None = None
+    settings: tuple[str, ...] = ()
+    budget: float = 60.0
+    seed: int = 0
+    output: Path | None = None
+    png: Path | None = None
+
+
+def run_plan(order: PlanOrder, *, as_json: bool) -> int:
+    """Plan, verify, write and report; the exit code."""
+    if not order.budget >= 0.0:  # also refuses NaN
+        raise InputError(f"--budget {order.budget}: expected seconds, 0 or more")
+    for path in (order.output, order.png):
+        if path is not None:
+            check_writable(path)
+    problem = load_problem(order.problem)
+    recipe = chosen_recipe(order.planner, order.backend, order.settings)
+    registry = discover()
+    warn_of_broken_plugins(registry)
+    with progress() as tell:
+        tell(f"building planner {recipe.recipe.name!r} for {problem.name!r}")
+        report = _solve(compose(recipe, problem, registry), order, tell)
+    _write(order, problem, recipe, report)
+    print_report(report, order.output, order.png, as_json=as_json)
+    return report.exit_code
+
+
+def chosen_recipe(
+    planner: str, backend: str | None = None, settings: tuple[str, ...] = ()
+) -> LoadedRecipe:
+    """The recipe with what the command line changes; ``--set`` comes after ``--backend``."""
+    located = find_recipe(planner)
+    if backend is not None and isinstance(located.data, dict):
+        located = override(located, ["backend"], backend, "--backend")
+    return load_recipe(apply_sets(located, settings))
+
+
+def _solve(planner: Planner, order: PlanOrder, tell: ProgressCallback) -> PlanReport:
+    started = time.process_time()
+    solution = planner.solve(order.budget, order.seed, tell)
+    verification = None
+    if solution.plan is not None:
+        # The search has verified it too; what the command line claims it checks itself.
+        tell("verifying the plan in one continuous simulation")
+        verification = planner.verify(solution.plan)
+    return PlanReport(
+        problem=planner.context.problem.name,
+        recipe=planner.recipe.recipe.name,
+        seed=order.seed,
+        solution=solution,
+        verification=verification,
+        cpu_seconds=time.process_time() - started,
+    )
+
+
+def _write(order: PlanOrder, problem: Problem, recipe: LoadedRecipe, report: PlanReport) -> None:
+    plan = report.verified_plan
+    if plan is not None and order.output is not None:
+        statistics = report.solution.statistics
+        document = PlanDocument(
+            problem=problem,
+            plan=plan,
+            recipe=recipe.data,
+            seed=order.seed,
+            counts=statistics.counts,
+            causes=statistics.causes,
+        )
+        write_plan(order.output, document)
+    if order.png is not None:
+        _draw(order.png, problem, plan, report.verification)
+
+
+def _draw(path: Path, problem: Problem, plan: Plan | None, report: VerifyReport | None) -> None:
+    from mamo_core.view.topdown import draw
+
+    rollout = report.rollout if report is not None else None
+    final_state = rollout.final_state if rollout is not None else None
+    with atomic_path(path) as work:
+        draw(problem, plan=plan, final_state=final_state, path=work)

@@ -1,0 +1,69 @@
+"""The work behind ``mamo verify``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mamo_core.cli.output import print_json, progress, warn, warn_of_broken_plugins
+from mamo_core.cli.plan_report import DONE, NOT_VERIFIED
+from mamo_core.compose import build_parts, choose, make_verifier
+from mamo_core.config import Located
+from mamo_core.plan_file import PlanDocument, package_versions, read_plan
+from mamo_core.plugins import discover
+from mamo_core.recipe_sets import override
+from mamo_core.recipes import LoadedRecipe, load_recipe
+
+if TYPE_CHECKING:
+    from mamo_core.verify import VerifyReport
+
+
+def run_verify(path: Path, backend: str | None, *, as_json: bool) -> int:
+    """Replay, check and report; the exit code."""
+    document = read_plan(path)
+    _warn_of_other_versions(document)
+    recipe = _recipe(document, path, backend)
+    registry = discover()
+    warn_of_broken_plugins(registry)
+    with progress() as tell:
+        engine = recipe.recipe.backend.name
+        tell(f"replaying {document.problem.name!r} with backend {engine!r}")
+        choices = choose(recipe, document.problem, registry, ("constraint", "backend"))
+        report = make_verifier(build_parts(choices, document.problem))(document.plan)
+    _print(path, document, engine, report, as_json=as_json)
+    return DONE if report.ok else NOT_VERIFIED
+
+
+def _recipe(document: PlanDocument, path: Path, backend: str | None) -> LoadedRecipe:
+    located = Located(dict(document.recipe), f"{path}: recipe")
+    if backend is not None:
+        located = override(located, ["backend"], backend, "--backend")
+    return load_recipe(located)
+
+
+def _warn_of_other_versions(document: PlanDocument) -> None:
+    """Another engine version may move objects otherwise, so a failure may come from that."""
+    installed = package_versions()
+    for package, version in sorted(document.versions.items()):
+        if installed.get(package) != version:
+            here = installed.get(package, "none")
+            warn(f"the plan was made with {package} {version}, installed is {here}")
+
+
+def _print(
+    path: Path, document: PlanDocument, engine: str, report: VerifyReport, *, as_json: bool
+) -> None:
+    if as_json:
+        result = {
+            "plan_file": str(path),
+            "problem": document.problem.name,
+            "backend": engine,
+            "verified": report.ok,
+            "failures": list(report.failures),
+        }
+        print_json("verify", result)
+        return
+    verdict = "verified" if report.ok else "FAILED"
+    lines = [f"{path}: {verdict} with {engine}", *(f"  {text}" for text in report.failures)]
+    sys.stdout.write("\n".join(lines) + "\n")

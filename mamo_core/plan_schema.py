@@ -1,0 +1,71 @@
+"""What stands in a plan file (``mamo schema plan``)."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from mamo_core.types.motion import SegmentKind
+
+SCHEMA_VERSION = 1
+
+
+class _Document(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=True)
+
+
+class SegmentDocument(_Document):
+    """One stretch of a motion."""
+
+    kind: SegmentKind
+    times: tuple[float, ...] = Field(min_length=1, description="s, from 0")
+    positions: tuple[tuple[float, ...], ...] = Field(description="joint positions at times, rad")
+    opening: float = Field(description="gap between the fingers at the end, m")
+    held: str | None = Field(description="object attached to the tool")
+    contact_free: bool = Field(description="nothing but the held object may touch the arm")
+    settle: float = Field(ge=0.0, description="longest wait for objects to rest, s")
+
+
+class MotionDocument(_Document):
+    """Segments executed one after the other."""
+
+    opening: float = Field(description="gap between the fingers at the start, m")
+    segments: tuple[SegmentDocument, ...] = Field(min_length=1)
+
+
+class ActionDocument(_Document):
+    """A rearrangement."""
+
+    kind: str = Field(description="action generator that proposed it")
+    object: str = Field(description="object it is meant to move")
+    path: tuple[tuple[float, ...], ...] = Field(description="world xy to follow, m")
+    motion: MotionDocument
+    info: dict[str, Any]
+
+
+class RegionDocument(_Document):
+    """The space that the retrieval sweeps: a height map in world coordinates."""
+
+    origin: tuple[float, float] = Field(description="corner of cell (0, 0), m")
+    resolution: float = Field(gt=0.0, description="size of a cell, m")
+    floor: float = Field(description="height the objects stand on, m")
+    lowest: tuple[tuple[float | None, ...], ...] = Field(
+        description="lowest swept height over each cell, m; null where nothing passes"
+    )
+
+
+class PlanFile(_Document):
+    """A verified plan that replays itself."""
+
+    schema_version: Literal[1]
+    problem: dict[str, Any] = Field(description="a problem document")
+    recipe: dict[str, Any] = Field(description="the recipe it was planned with")
+    seed: int
+    status: Literal["solved"]
+    versions: dict[str, str] = Field(description="packages that made it")
+    counts: dict[str, int] = Field(description="work done, by kind")
+    causes: dict[str, int] = Field(description="failures by subject/action/cause")
+    actions: tuple[ActionDocument, ...]
+    retrieval: MotionDocument
+    region: RegionDocument | None

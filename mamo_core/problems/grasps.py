@@ -1,0 +1,113 @@
+"""Side grasps: the tool's x axis horizontal, the fingers left and right of the object."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from mamo_core.errors import InputError, suggestion
+from mamo_core.types.geometry import Box, Cylinder, make_pose
+from mamo_core.types.problem import Grasp
+from mamo_core.types.scene import SceneObject
+
+MAX_OPENING = {"pr2_right_arm": 0.0896, "panda": 0.0799}
+"""Widest gap between the fingers by robot, m, as measured on the canonical arm models."""
+
+GRASPABLE_HALF_WIDTH = 0.05
+"""Wider faces are not grasped (the published scenes use up to 0.0498), m."""
+
+TOOL_PAST_CENTER = 0.025
+"""The author's tool point lies this far past the object's centre, m."""
+
+DEEPEST = 0.07
+"""Farthest the tool goes past the near face: 0.20 m from wrist to tool less 0.13 m of palm, m."""
+
+APPROACH = 0.10
+"""Straight distance before the grasp, m."""
+
+PREGRASP_CLEARANCE = 0.075
+"""The author's distance from the near face to the tool before the approach, m."""
+
+HEIGHTS = (0.05, 0.03, 0.075)
+"""Tool heights above the object's bottom, within the author's U(0.025, 0.075), m."""
+
+CYLINDER_YAWS = 16
+
+
+def max_opening(robot: str) -> float:
+    """Widest gap between the fingers of a known robot, m.
+
+    Raises:
+        InputError: default grasps are not known for this robot.
+    """
+    if robot not in MAX_OPENING:
+        raise InputError(
+            f"robot {robot!r}: no default grasps for it{suggestion(robot, MAX_OPENING)}; "
+            "list the grasps in the problem instead of 'auto'"
+        )
+    return MAX_OPENING[robot]
+
+
+def default_grasps(
+    target: SceneObject, *, max_opening: float, clearance: float = 0.01, first_yaw: float = 0.0
+) -> tuple[Grasp, ...]:
+    """Side grasps of an upright ``target``; empty if no face fits between the fingers.
+
+    Boxes are held across each face that is narrow enough, cylinders from 16 sides. Yaws are in
+    the object's frame; those nearest ``first_yaw`` (rad) come first, and for each yaw the heights
+    in a fixed order. The fingers open ``clearance`` (m) wider than the object, at most
+    ``max_opening`` (m); whether they clear the object then is for the planner to check.
+    """
+    return tuple(
+        _grasp(target, yaw, depth, height, min(width + clearance, max_opening))
+        for yaw, depth, width in _sides(target, first_yaw)
+        if width / 2.0 < GRASPABLE_HALF_WIDTH
+        for height in _heights(target.shape.height)
+    )
+
+
+def _sides(target: SceneObject, first_yaw: float) -> Iterator[tuple[float, float, float]]:
+    """Approach yaw, half depth along it and width across it."""
+    shape = target.shape
+    if isinstance(shape, Cylinder):
+        for k in _alternating(CYLINDER_YAWS):
+            yield first_yaw + k * 2.0 * np.pi / CYLINDER_YAWS, shape.radius, 2.0 * shape.radius
+        return
+    yield from sorted(_faces(shape), key=lambda face: _angle(face[0], first_yaw))
+
+
+def _faces(shape: Box) -> Iterator[tuple[float, float, float]]:
+    length, width = float(shape.size[0]), float(shape.size[1])
+    yield 0.0, length / 2.0, width
+    yield np.pi / 2.0, width / 2.0, length
+    yield np.pi, length / 2.0, width
+    yield -np.pi / 2.0, width / 2.0, length
+
+
+def _alternating(count: int) -> Iterator[int]:
+    """0, 1, -1, 2, -2, ...: ``count`` turns, the smallest first."""
+    for k in range(count):
+        yield (k + 1) // 2 * (1 if k % 2 else -1)
+
+
+def _angle(a: float, b: float) -> float:
+    """Angle between two headings, rounded so that ties keep their order on every machine."""
+    return round(abs(float(np.angle(np.exp(1j * (a - b))))), 6)
+
+
+def _heights(height: float) -> tuple[float, ...]:
+    """Tool heights above the bottom; tall objects are also held at half their height."""
+    low = tuple(h for h in HEIGHTS if h < height)
+    middle = height / 2.0
+    return (*low, middle) if middle > max(HEIGHTS) or not low else low
+
+
+def _grasp(
+    target: SceneObject, yaw: float, half_depth: float, height: float, opening: float
+) -> Grasp:
+    along = min(TOOL_PAST_CENTER, DEEPEST - half_depth)
+    position = [along * np.cos(yaw), along * np.sin(yaw), height - target.shape.height / 2.0]
+    # Far enough back for the fingers to clear the object before they come in.
+    approach = max(APPROACH, along + half_depth + PREGRASP_CLEARANCE)
+    return Grasp(make_pose(position, yaw), approach, opening)

@@ -1,0 +1,156 @@
+"""The independent check of a whole plan: nothing of the planner's state is used."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
+from mamo_core.robots.exact_collision import ExactChecker
+from mamo_core.robots.kinematics import tool_transform
+from mamo_core.robots.model import ArmModel
+from mamo_core.robots.timing import interpolated
+from mamo_core.types.geometry import Array, invert, matrix_from_pose
+from mamo_core.types.motion import Motion, MotionSegment, SegmentKind
+from mamo_core.types.problem import Problem
+from mamo_core.types.rollout import RolloutResult
+from mamo_core.types.scene import Mobility, SceneState
+from mamo_core.types.solution import Plan
+
+_CONTINUITY = 1e-6
+_SPEED_SLACK = 1.01
+_MESH_STEP = 0.05
+_GRIP_SLIP = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class VerifyReport:
+    """``failures`` in words, empty if the plan holds; ``rollout``: its continuous execution."""
+
+    failures: tuple[str, ...]
+    rollout: RolloutResult | None
+
+    @property
+    def ok(self) -> bool:
+        """Whether every claim of the plan was confirmed."""
+        return not self.failures
+
+
+def verify(
+    problem: Problem,
+    plan: Plan,
+    model: TransitionModel,
+    robot: ArmModel,
+    *,
+    trace_step: float | None = None,
+) -> VerifyReport:
+    """Replay the plan, retrieval included, in ONE continuous rollout from the initial state.
+
+    Checked: form, joint limits, speeds and continuity of all trajectories; every interaction
+    constraint at every step; contact-free segments against exact meshes, with the objects where
+    the execution left them; that the target ends in the hand, at home.
+    """
+    failures = [*check_form(problem, plan), *check_trajectories(problem, plan, robot)]
+    if failures:
+        return VerifyReport(tuple(failures), None)
+    segments = tuple(s for motion in plan.motions for s in motion.segments)
+    whole = Motion(segments, plan.motions[0].opening)
+    options = RolloutOptions(stop_early=False, trace_step=trace_step)
+    rollout = model.rollout(problem.initial, whole, options=options)
+    failures += [str(violation) for violation in rollout.violations]
+    if rollout.stalled:
+        failures.append("the arm could not follow its trajectory")
+    if not failures:
+        failures += check_meshes(problem, segments, rollout.segment_states, robot)
+        failures += check_retrieved(problem, segments, rollout, robot)
+    return VerifyReport(tuple(failures), rollout)
+
+
+def check_form(problem: Problem, plan: Plan) -> list[str]:
+    """Actions move movable objects; the retrieval, and it alone, holds the target to the end."""
+    failures = []
+    movable = {o.name for o in problem.scene.objects if o.mobility is Mobility.MOVABLE}
+    target = problem.scene.objects[problem.scene.target_index].name
+    for number, action in enumerate(plan.actions):
+        if action.object_name not in movable:
+            failures.append(f"action {number} rearranges {action.object_name!r}: not movable")
+        for segment in action.motion.segments:
+            if segment.held not in (None, action.object_name):
+                failures.append(f"action {number} holds {segment.held!r}")
+        if action.motion.segments[-1].held is not None:
+            failures.append(f"action {number} ends with {action.object_name!r} in the hand")
+    held = [segment.held for segment in plan.retrieval.segments]
+    if held[-1] != target or any(name not in (None, target) for name in held):
+        failures.append(f"the retrieval does not end with {target!r} in the hand")
+    return failures
+
+
+def check_trajectories(problem: Problem, plan: Plan, robot: ArmModel) -> list[str]:
+    """Limits, speeds, continuity, start at the initial configuration and end at home."""
+    failures = []
+    where = problem.initial.joint_positions
+    for number, motion in enumerate(plan.motions):
+        for segment in motion.segments:
+            label = f"motion {number} ({segment.kind})"
+            positions, times = segment.trajectory.positions, segment.trajectory.times
+            if np.abs(positions[0] - where).max() > _CONTINUITY:
+                failures.append(f"{label}: does not start where the arm is")
+            if (positions < robot.lower - 1e-9).any() or (positions > robot.upper + 1e-9).any():
+                failures.append(f"{label}: joint limits exceeded")
+            if len(times) > 1:
+                speeds = np.abs(np.diff(positions, axis=0)) / np.diff(times)[:, None]
+                if (speeds > _SPEED_SLACK * robot.velocity).any():
+                    failures.append(f"{label}: velocity limits exceeded")
+            opening = segment.opening
+            if not robot.gripper.closed - 1e-9 <= opening <= robot.gripper.max_opening + 1e-9:
+                failures.append(f"{label}: opening {opening} m is not possible")
+            where = positions[-1]
+    if np.abs(where - problem.home).max() > _CONTINUITY:
+        failures.append("the plan does not end at home")
+    return failures
+
+
+def check_meshes(
+    problem: Problem,
+    segments: tuple[MotionSegment, ...],
+    states: tuple[SceneState, ...],
+    robot: ArmModel,
+) -> list[str]:
+    """Contact-free segments against the exact meshes of the arm."""
+    checker = ExactChecker(problem.scene, robot)
+    failures = []
+    for segment, state in zip(segments, states, strict=True):
+        if not segment.contact_free or segment.kind is SegmentKind.GRIPPER:
+            continue
+        ignore = [segment.held] if segment.held is not None else []
+        world = checker.world(state.object_poses, opening=segment.opening, ignore=ignore)
+        for q in interpolated(segment.trajectory.positions, _MESH_STEP):
+            touched = world.touching(q)
+            if touched is not None:
+                failures.append(f"{segment.kind}: the arm's mesh touches {touched}")
+                break
+    return failures
+
+
+def check_retrieved(
+    problem: Problem,
+    segments: tuple[MotionSegment, ...],
+    rollout: RolloutResult,
+    robot: ArmModel,
+) -> list[str]:
+    """At the end the target is where the hand should have carried it."""
+    index = problem.scene.target_index
+    first = next(i for i, segment in enumerate(segments) if segment.held is not None)
+    before = matrix_from_pose(rollout.segment_states[first].object_poses[index])
+    T_tool_target = invert(_tool(problem, segments[first], robot, 0)) @ before
+    expected = _tool(problem, segments[-1], robot, -1) @ T_tool_target
+    off = float(np.linalg.norm(rollout.final_state.object_poses[index][:3] - expected[:3, 3]))
+    if off > _GRIP_SLIP:
+        return [f"the target is {off * 100:.1f} cm away from where the hand should hold it"]
+    return []
+
+
+def _tool(problem: Problem, segment: MotionSegment, robot: ArmModel, row: int) -> Array:
+    T_world_base = matrix_from_pose(problem.scene.T_world_base)
+    return T_world_base @ tool_transform(robot, segment.trajectory.positions[row])

@@ -1,0 +1,251 @@
+"""Pushes (thesis 4.4.2, 5.4.3): approach contact-free, sweep straight, retract the same way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from mamo_core.interfaces.action_generator import ActionGenerator, ActionRequest
+from mamo_core.interfaces.arm_planner import ArmPlanner
+from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld
+from mamo_core.interfaces.kinematics import Kinematics
+from mamo_core.robots.kinematics import finger_transforms
+from mamo_core.robots.model import ArmModel
+from mamo_core.robots.timing import time_path
+from mamo_core.types.action import RearrangementAction
+from mamo_core.types.geometry import Array, Shape, footprint_corners, tool_matrix
+from mamo_core.types.motion import Motion, MotionSegment, SegmentKind
+from mamo_core.types.problem import Problem
+from mamo_core.types.scene import Mobility, SceneState
+from mamo_core.types.solution import Statistics
+from mamo_planners.actions.push_geometry import ToolPose, rich_tool_poses, thesis_tool_poses
+from mamo_planners.footprints import extent_along, free_slide
+from mamo_planners.options import PushOptions
+
+_AGNOSTIC_LENGTHS = (0.06, 0.25)
+_LINE_STEP = 0.01
+_QUERY_SIZE = 6
+
+
+@dataclass(frozen=True, eq=False)
+class _Start:
+    """A configuration behind the object and the sweep (k, dof) from it."""
+
+    sweep: Array
+    info: dict[str, float]
+
+
+class Push(ActionGenerator):
+    """One straight push per proposal; the goal is the farthest the object can slide straight."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        arm: ArmModel,
+        kinematics: Kinematics,
+        collision: CollisionChecker,
+        arm_planner: ArmPlanner,
+        options: PushOptions,
+    ) -> None:
+        self._problem, self._arm, self._options = problem, arm, options
+        self._kinematics, self._collision, self._arm_planner = kinematics, collision, arm_planner
+        self._opening = arm.gripper.closed
+        scene = problem.scene
+        self._movables = [o.name for o in scene.objects if o.mobility is Mobility.MOVABLE]
+        fixed = [i for i, o in enumerate(scene.objects) if o.mobility is not Mobility.MOVABLE]
+        poses = problem.initial.object_poses
+        self._obstacles = [footprint_corners(scene.objects[i].shape, poses[i]) for i in fixed]
+        self._hand = _hand_spheres(arm, self._opening)
+
+    def propose(
+        self,
+        state: SceneState,
+        request: ActionRequest,
+        rng: np.random.Generator,
+        statistics: Statistics,
+    ) -> Iterator[RearrangementAction]:
+        number = self._problem.scene.index(request.object_name)
+        shape, pose = self._problem.scene.objects[number].shape, state.object_poses[number]
+        delta = self._displacement(shape, pose, request, rng)
+        length = float(np.linalg.norm(delta))
+        if length < self._options.shortest:
+            statistics.failed(request.object_name, "push", "no_room")
+            return
+        with statistics.timed("push_poses"):
+            starts = self._starts(state, request.object_name, shape, pose, delta, rng, statistics)
+        goal = np.stack([pose[:2], pose[:2] + delta])
+        yield from self._approached(state, request.object_name, starts, goal, rng, statistics)
+
+    def _displacement(
+        self, shape: Shape, pose: Array, request: ActionRequest, rng: np.random.Generator
+    ) -> Array:
+        """Where the object should go (2,), from where it is."""
+        workspace = self._problem.scene.workspace
+        lower, upper = workspace.lower[:2].copy(), workspace.upper[:2]
+        lower[0] -= workspace.overhang
+        if request.path is None:
+            angle = rng.uniform(-np.pi, np.pi)
+            length = rng.uniform(*_AGNOSTIC_LENGTHS)
+            aim = length * np.array([np.cos(angle), np.sin(angle)])
+            return self._slide(shape, pose, aim, lower, upper)
+        if self._options.geometry == "thesis":
+            return request.path[-1] - pose[:2]
+        # The farthest point of the path that a straight sweep reaches.
+        for point in request.path[::-1]:
+            aim = point - pose[:2]
+            slid = self._slide(shape, pose, aim, lower, upper)
+            if np.linalg.norm(slid) >= np.linalg.norm(aim) - 1e-9:
+                return aim
+        return np.zeros(2)
+
+    def _slide(self, shape: Shape, pose: Array, aim: Array, lower: Array, upper: Array) -> Array:
+        """The part of ``aim`` that keeps clear of whatever must not be touched."""
+        count = max(1, int(np.ceil(np.linalg.norm(aim) / 0.01)))
+        moves = aim * (np.arange(1, count + 1) / count)[:, None]
+        # An object that overhangs may stay so; only growing further out is refused.
+        corners = footprint_corners(shape, pose)
+        low = np.minimum(lower, corners.min(axis=0))
+        high = np.maximum(upper, corners.max(axis=0))
+        return aim * (free_slide(shape, pose, moves, self._obstacles, low, high) / count)
+
+    def _starts(
+        self,
+        state: SceneState,
+        name: str,
+        shape: Shape,
+        pose: Array,
+        delta: Array,
+        rng: np.random.Generator,
+        statistics: Statistics,
+    ) -> list[_Start]:
+        """Every tool pose and arm branch whose sweep can be followed clear of what is fixed."""
+        direction = delta / np.linalg.norm(delta)
+        extent = extent_along(shape, pose, direction)
+        everything = self._collision.world(state.object_poses, opening=self._opening)
+        fixed_only = self._collision.world(
+            state.object_poses, opening=self._opening, ignore=self._movables
+        )
+        found = []
+        for tool in self._tool_poses(rng):
+            position = pose[:2] - direction * (extent + tool.stand_off)
+            T = self._tool_at(position, direction, tool)
+            travel = float(np.linalg.norm(delta)) + tool.stand_off + self._options.overshoot
+            solutions = self._kinematics.inverse(T, rng, count=self._options.branches)
+            if not len(solutions):
+                statistics.failed(name, "push", "no_ik")
+                continue
+            free = everything.free(solutions)
+            statistics.failed(name, "push", "start_blocked", int((~free).sum()))
+            for q in solutions[free]:
+                sweep = self._sweep(q, T, direction, travel, fixed_only, name, statistics)
+                if sweep is not None:
+                    found.append(_Start(sweep, {"yaw": tool.yaw_offset, "pitch": tool.pitch}))
+        return found
+
+    def _tool_poses(self, rng: np.random.Generator) -> list[ToolPose]:
+        if self._options.geometry == "thesis":
+            return thesis_tool_poses(rng)
+        return rich_tool_poses()
+
+    def _tool_at(self, position: Array, direction: Array, tool: ToolPose) -> Array:
+        """``T_world_tool``: low over the floor, turned from the direction by the yaw offset."""
+        yaw = float(np.arctan2(direction[1], direction[0])) + tool.yaw_offset
+        T = tool_matrix([position[0], position[1], 0.0], yaw, tool.pitch)
+        T[:2, 3] += tool.overreach * np.array([np.cos(yaw), np.sin(yaw)])
+        turned = self._hand[:, :3] @ T[2, :3]
+        lowest = float((turned - self._hand[:, 3]).min())
+        floor = self._problem.scene.workspace.floor
+        T[2, 3] = floor - lowest + self._options.floor_gap + tool.height
+        return T
+
+    def _sweep(
+        self,
+        q: Array,
+        T: Array,
+        direction: Array,
+        travel: float,
+        world: CollisionWorld,
+        name: str,
+        statistics: Statistics,
+    ) -> Array | None:
+        T_end = T.copy()
+        T_end[:2, 3] += direction * travel
+        line = self._kinematics.follow_line(q, T_end, step=_LINE_STEP)
+        if line.fraction < 1.0:
+            statistics.failed(name, "push", "line_untrackable")
+            return None
+        if not world.free(line.path).all():
+            statistics.failed(name, "push", "sweep_blocked")
+            return None
+        return line.path
+
+    def _approached(
+        self,
+        state: SceneState,
+        name: str,
+        starts: list[_Start],
+        goal: Array,
+        rng: np.random.Generator,
+        statistics: Statistics,
+    ) -> Iterator[RearrangementAction]:
+        """Reach the starts by multi-goal queries, a few of the best at a time."""
+        world = self._collision.world(state.object_poses, opening=self._opening)
+        pending = list(starts)
+        for _ in range(self._options.samples):
+            if not pending:
+                return
+            batch = pending[:_QUERY_SIZE]
+            with statistics.timed("arm_planning"):
+                goals = np.array([s.sweep[0] for s in batch])
+                plan = self._arm_planner.plan(state.joint_positions, goals, world, rng)
+            statistics.counts["arm_plans"] += 1
+            if plan.path is None:
+                statistics.failed(name, "push", f"approach_{plan.status}")
+                pending = pending[_QUERY_SIZE:]
+                continue
+            chosen = batch[plan.goal]
+            pending.remove(chosen)
+            yield self._action(name, plan.path, chosen, goal)
+
+    def _action(
+        self, name: str, approach: Array, start: _Start, goal: Array
+    ) -> RearrangementAction:
+        options, opening, limits = self._options, self._opening, self._arm.velocity
+        tools = np.array([self._kinematics.forward(q)[:3, 3] for q in start.sweep])
+        sweep = time_path(
+            start.sweep,
+            limits,
+            scale=options.joint_speed,
+            tool_positions=tools,
+            tool_speed=options.sweep_speed,
+        )
+        retract = time_path(
+            start.sweep[::-1],
+            limits,
+            scale=options.joint_speed,
+            tool_positions=tools[::-1],
+            tool_speed=2.0 * options.sweep_speed,
+        )
+        transit = time_path(approach, limits, scale=options.joint_speed)
+        motion = Motion(
+            (
+                MotionSegment(SegmentKind.TRANSIT, transit, opening, contact_free=True),
+                MotionSegment(SegmentKind.SWEEP, sweep, opening, settle=options.settle),
+                MotionSegment(SegmentKind.RETRACT, retract, opening, settle=options.settle),
+            ),
+            opening,
+        )
+        return RearrangementAction("push", name, motion, goal, start.info)
+
+
+def _hand_spheres(arm: ArmModel, opening: float) -> Array:
+    """Spheres (k, 4) of hand and fingers in the tool frame."""
+    T_tool_link = np.linalg.inv(arm.T_link_tool)
+    parts = [(T_tool_link, arm.links[arm.tool_link].spheres)]
+    for number, T in finger_transforms(arm.links, arm.gripper.drive(opening)).items():
+        parts.append((T_tool_link @ T, arm.links[number].spheres))
+    return np.vstack(
+        [np.column_stack([s[:, :3] @ T[:3, :3].T + T[:3, 3], s[:, 3]]) for T, s in parts]
+    )

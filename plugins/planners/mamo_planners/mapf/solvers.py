@@ -1,0 +1,126 @@
+"""The solvers: optimal, bounded, prioritised, and one after the other until one succeeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from mamo_core.interfaces.mapf_solver import MAPFSolver
+from mamo_core.types.geometry import Array
+from mamo_core.types.mapf import MAPFAgent, MAPFBudget, MAPFProblem, MAPFSolution, MAPFStatus
+from mamo_planners.mapf.conflict_search import ConflictSearch, Outcome
+from mamo_planners.mapf.model import UNIT, Model
+from mamo_planners.mapf.prioritized import prioritized
+from mamo_planners.mapf.single import SinglePlanner, nowhere
+from mamo_planners.mapf.tables import Int32Array
+
+Stage = Callable[[Model, SinglePlanner, int, np.random.Generator], Outcome]
+"""A search: model, planner with its work limit, node limit, generator."""
+
+
+class StagedSolver(MAPFSolver):
+    """Stages in turn, each with a share of the budget, until one has a solution.
+
+    ``stages``: (share of the budget, factor it guarantees or inf, search). What a stage leaves
+    goes to the next ones. The lower bound is the best of all stages.
+    """
+
+    def __init__(self, stages: tuple[tuple[float, float, Stage], ...]) -> None:
+        self._stages = stages
+
+    def solve(
+        self, problem: MAPFProblem, budget: MAPFBudget, rng: np.random.Generator
+    ) -> MAPFSolution:
+        """Conflict-free paths out of the region; status and bounds as ``MAPFSolution`` says."""
+        if not problem.agents:
+            return MAPFSolution(MAPFStatus.OPTIMAL, cost=0.0, bound=1.0)
+        model = Model(problem)
+        reasons = {a.name: nowhere(model, i) for i, a in enumerate(problem.agents)}
+        blame = {name: reason for name, reason in reasons.items() if reason}
+        if blame:
+            return MAPFSolution(MAPFStatus.INFEASIBLE, lower_bound=float("inf"), blame=blame)
+        planner = SinglePlanner(model, 0)
+        bound, nodes = 0, 0
+        shares = sum(stage[0] for stage in self._stages)
+        for share, factor, search in self._stages:
+            part = share / shares
+            shares -= share
+            planner.limit = planner.expansions + int(
+                part * (budget.expansions - planner.expansions)
+            )
+            outcome = search(model, planner, int(part * (budget.nodes - nodes)), rng)
+            nodes += outcome.nodes
+            bound = max(bound, outcome.bound)
+            if outcome.exhausted:
+                return MAPFSolution(
+                    MAPFStatus.INFEASIBLE,
+                    lower_bound=float("inf"),
+                    nodes=nodes,
+                    expansions=planner.expansions,
+                )
+            if outcome.paths is not None:
+                solution = _solution(problem, outcome, bound, factor)
+                return replace(solution, nodes=nodes, expansions=planner.expansions)
+        return MAPFSolution(
+            MAPFStatus.TIMEOUT,
+            lower_bound=bound / UNIT,
+            nodes=nodes,
+            expansions=planner.expansions,
+        )
+
+
+def conflict_stage(weight: float, candidates: int) -> Stage:
+    """CBS (``weight`` 1) or ECBS as a stage."""
+
+    def run(model: Model, planner: SinglePlanner, nodes: int, rng: np.random.Generator) -> Outcome:
+        return ConflictSearch(model, planner, weight, nodes, candidates).run()
+
+    return run
+
+
+def prioritized_stage(orders: int) -> Stage:
+    """Prioritised planning as a stage; an order counts as a node."""
+
+    def run(model: Model, planner: SinglePlanner, nodes: int, rng: np.random.Generator) -> Outcome:
+        return prioritized(model, planner, rng, min(orders, nodes))
+
+    return run
+
+
+def _solution(problem: MAPFProblem, outcome: Outcome, bound: int, factor: float) -> MAPFSolution:
+    assert outcome.paths is not None
+    paths = {
+        agent.name: _world_path(agent, steps, problem.resolution)
+        for agent, steps in zip(problem.agents, outcome.paths, strict=True)
+    }
+    cost = sum(path_cost(a, paths[a.name], problem.wait_cost) for a in problem.agents)
+    lower = min(bound / UNIT, cost)
+    if outcome.cost <= bound:
+        return MAPFSolution(MAPFStatus.OPTIMAL, paths, cost, lower, 1.0)
+    ratio = cost / lower if lower > 0.0 else float("inf")
+    status = MAPFStatus.BOUNDED if np.isfinite(factor) else MAPFStatus.FEASIBLE
+    return MAPFSolution(status, paths, cost, lower, ratio)
+
+
+def _world_path(agent: MAPFAgent, steps: Int32Array, resolution: float) -> Array:
+    path: Array = agent.pose[:2] + steps * resolution
+    path.flags.writeable = False
+    return path
+
+
+def path_cost(agent: MAPFAgent, path: Array, wait_cost: float) -> float:
+    """What ``path`` (T + 1, 2) m costs the agent, in lattice steps, its goal penalties included."""
+    moved = (np.abs(np.diff(path, axis=0)) > 1e-9).any(axis=1)
+    last = int(np.flatnonzero(moved)[-1]) + 1 if moved.any() else 0
+    total = float(moved.sum()) + wait_cost * float(last - moved[:last].sum())
+    field = agent.cost_field
+    if field is not None:
+        cells = np.floor((path[1:][moved] - field.origin) / field.resolution + 1e-9).astype(int)
+        inside = ((cells >= 0) & (cells < field.values.shape)).all(axis=1)
+        total += float(field.values[tuple(cells[inside].T)].sum())
+    for penalty in agent.penalties:
+        if np.hypot(*(path[-1] - penalty.position)) <= penalty.radius + 1e-9:
+            total += penalty.cost
+    return total

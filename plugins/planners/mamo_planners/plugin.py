@@ -1,0 +1,111 @@
+"""Table of contents of the planners: what is registered, and how it is put together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from mamo_core.hookspecs import Component, hookimpl
+from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
+from mamo_planners.options import GreedyOptions, PushOptions, RetrievalOptions
+
+if TYPE_CHECKING:
+    from mamo_core.compose import BuildContext
+
+
+def _retrieval(context: BuildContext, options: RetrievalOptions) -> Any:
+    from mamo_planners.retrieval import GraspAndExtract
+
+    return GraspAndExtract(
+        context.problem,
+        context.robot,
+        context.part("kinematics"),
+        context.part("collision"),
+        context.part("arm_planner"),
+        options,
+    )
+
+
+def _push(context: BuildContext, options: PushOptions) -> Any:
+    from mamo_planners.actions.push import Push
+
+    return Push(
+        context.problem,
+        context.robot,
+        context.part("kinematics"),
+        context.part("collision"),
+        context.part("arm_planner"),
+        options,
+    )
+
+
+def _greedy(context: BuildContext, options: GreedyOptions) -> Any:
+    from mamo_planners.search.execution import Execution
+    from mamo_planners.search.greedy import GreedySearch
+
+    def execution(statistics: Any) -> Execution:
+        return Execution(
+            context.problem,
+            context.robot,
+            context.part("backend"),
+            context.part("collision"),
+            context.part("arm_planner"),
+            statistics,
+        )
+
+    return GreedySearch(
+        context.problem,
+        context.part("retrieval"),
+        context.part("mapf"),
+        [generator for _, generator in context.actions],
+        execution,
+        lambda plan: context.part("verifier")(plan).failures,
+        options,
+    )
+
+
+@hookimpl
+def mamo_retrieval_planners() -> Iterable[Component]:
+    """Grasp, lift, extract, home."""
+    return [
+        Component(
+            "grasp_and_extract",
+            _retrieval,
+            RetrievalOptions,
+            "side grasps, lift, carry home",
+            requires={"collision": frozenset({"swept_region"})},
+        ),
+    ]
+
+
+@hookimpl
+def mamo_mapf_solvers() -> Iterable[Component]:
+    """Multi-agent pathfinding for true footprints."""
+    return MAPF_COMPONENTS
+
+
+@hookimpl
+def mamo_actions() -> Iterable[Component]:
+    """Pushes."""
+    return [Component("push", _push, PushOptions, "straight pushes, thesis 4.4.2 and richer")]
+
+
+@hookimpl
+def mamo_searches() -> Iterable[Component]:
+    """M4M."""
+    return [
+        Component(
+            "greedy",
+            _greedy,
+            GreedyOptions,
+            "M4M: commit to every valid push (thesis, Algorithm 4)",
+            requires={"backend": frozenset({"exact_continuation"})},
+        ),
+    ]
+
+
+def warm_up() -> None:
+    """Compile the MAPF kernels (or read them from numba's cache)."""
+    from mamo_planners.mapf import warm_up as compile_all
+
+    compile_all()

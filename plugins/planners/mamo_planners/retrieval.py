@@ -1,0 +1,266 @@
+"""Retrieval: open at home, reach, lift as far as the shelf allows, carry home."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from mamo_core.interfaces.arm_planner import ArmPlanner
+from mamo_core.interfaces.collision_checker import CollisionChecker, HeldObject
+from mamo_core.interfaces.kinematics import Kinematics
+from mamo_core.interfaces.retrieval import Retrieval, RetrievalPlanner
+from mamo_core.robots.model import ArmModel
+from mamo_core.robots.timing import interpolated, time_path
+from mamo_core.types.geometry import Array, invert, matrix_from_pose
+from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
+from mamo_core.types.problem import Grasp, Problem
+from mamo_core.types.region import SweptRegion
+from mamo_core.types.scene import Mobility, SceneState
+from mamo_planners.options import RetrievalOptions
+
+_GRIPPER_TIME = 0.5
+_LEAST_LIFT = 0.003
+_CANDIDATE_SEED = 0
+_REACH_STEP = 0.01
+_TOOL_SPEED_STEP = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    """A grasp the arm can reach past fixtures and immovables: ``reach`` and ``lift`` (k, dof)."""
+
+    grasp: Grasp
+    reach: Array
+    lift: Array
+    held: HeldObject
+
+
+class GraspAndExtract(RetrievalPlanner):
+    """Grasp candidates depend on nothing that moves, so they are computed once per problem."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        arm: ArmModel,
+        kinematics: Kinematics,
+        collision: CollisionChecker,
+        arm_planner: ArmPlanner,
+        options: RetrievalOptions,
+    ) -> None:
+        self._problem, self._arm = problem, arm
+        self._kinematics, self._collision, self._arm_planner = kinematics, collision, arm_planner
+        self._options = options
+        scene = problem.scene
+        self._target = scene.objects[scene.target_index]
+        self._movables = [o.name for o in scene.objects if o.mobility is Mobility.MOVABLE]
+        self._static_causes: Counter[str] = Counter()
+        self._candidates = self._find_candidates()
+
+    def plan(
+        self, state: SceneState, rng: np.random.Generator, *, ignore_movables: bool = False
+    ) -> Retrieval:
+        causes = Counter(self._static_causes)
+        ignored = self._movables if ignore_movables else []
+        usable = self._unblocked(state, ignored)
+        causes["grasp_blocked"] += len(self._candidates) - len(usable)
+        order = rng.permutation(len(usable))
+        pending = [usable[i] for i in order]
+        for _ in range(self._options.tries):
+            if not pending:
+                break
+            motion, used = self._try(state, ignored, pending, rng, causes)
+            if motion is not None:
+                return Retrieval(motion)
+            pending = [c for c in pending if c not in used]
+        return Retrieval(None, causes)
+
+    def swept_region(self, state: SceneState, motion: Motion) -> SweptRegion:
+        region: SweptRegion | None = None
+        for segment in motion.segments:
+            held = None
+            if segment.held is not None:
+                held = self._held_of(motion)
+            part = self._collision.swept_region(
+                segment.trajectory.positions, opening=segment.opening, held=held
+            )
+            region = part if region is None else region.united(part)
+        if region is None:
+            raise ValueError("swept_region: the motion has no segments")
+        return region
+
+    def _held_of(self, motion: Motion) -> HeldObject:
+        """The target in the tool, from where the tool is when it is attached."""
+        first = next(s for s in motion.segments if s.held is not None)
+        T_world_tool = self._kinematics.forward(first.trajectory.positions[0])
+        return HeldObject(
+            self._target.name, self._target.shape, invert(T_world_tool) @ self._T_world_target()
+        )
+
+    def _T_world_target(self) -> Array:
+        index = self._problem.scene.target_index
+        return matrix_from_pose(self._problem.initial.object_poses[index])
+
+    def _find_candidates(self) -> list[_Candidate]:
+        rng = np.random.default_rng(_CANDIDATE_SEED)
+        poses = self._problem.initial.object_poses
+        found = []
+        for grasp in self._problem.grasps:
+            if grasp.opening > self._arm.gripper.max_opening:
+                self._static_causes["gripper_too_small"] += 1
+                continue
+            T_grasp = self._T_world_target() @ matrix_from_pose(grasp.T_object_tool)
+            if not self._within_reach(T_grasp):
+                self._static_causes["out_of_reach"] += 1
+                continue
+            solutions = self._kinematics.inverse(T_grasp, rng, count=self._options.branches)
+            if not len(solutions):
+                self._static_causes["grasp_no_ik"] += 1
+            for q in solutions:
+                candidate = self._candidate(grasp, q, poses)
+                if candidate is not None:
+                    found.append(candidate)
+        return found
+
+    def _within_reach(self, T_grasp: Array) -> bool:
+        """A bound that proves: the links stretched out cannot be longer than their lengths."""
+        first = next(link for link in self._arm.links if link.coordinate == 0)
+        T_world_base = matrix_from_pose(self._problem.scene.T_world_base)
+        root = (T_world_base @ first.T_parent_joint)[:3, 3]
+        chain = [link for link in self._arm.links if link.coordinate > 0]
+        length = sum(float(np.linalg.norm(link.T_parent_joint[:3, 3])) for link in chain)
+        length += float(np.linalg.norm(self._arm.T_link_tool[:3, 3]))
+        return bool(np.linalg.norm(T_grasp[:3, 3] - root) <= length)
+
+    def _candidate(self, grasp: Grasp, q: Array, poses: Array) -> _Candidate | None:
+        world = self._collision.world(
+            poses, opening=grasp.opening, ignore=[self._target.name, *self._movables]
+        )
+        if not world.free(q)[0]:
+            self._static_causes["grasp_in_collision"] += 1
+            return None
+        T = self._kinematics.forward(q)
+        T_back = T.copy()
+        T_back[:3, 3] -= grasp.approach * T[:3, 0]
+        back = self._kinematics.follow_line(q, T_back, step=_REACH_STEP)
+        if back.fraction < 1.0 or not world.free(back.path).all():
+            self._static_causes["reach_blocked"] += 1
+            return None
+        lift = self._lift_path(q, T)
+        held = HeldObject(self._target.name, self._target.shape, invert(T) @ self._T_world_target())
+        carried = self._collision.world(
+            poses, opening=grasp.opening, ignore=[self._target.name, *self._movables], held=held
+        )
+        if lift is None or not carried.free(lift[-1])[0]:
+            self._static_causes["lift_blocked"] += 1
+            return None
+        return _Candidate(grasp, back.path[::-1], lift, held)
+
+    def _lift_path(self, q: Array, T: Array) -> Array | None:
+        """Straight up by as much as the ceiling leaves, at most the option's lift."""
+        top = float(self._T_world_target()[2, 3]) + self._target.shape.height / 2.0
+        gap = float(self._problem.scene.workspace.upper[2]) - top
+        height = min(self._options.lift, max(gap - self._options.ceiling_gap, gap / 2.0))
+        for share in (1.0, 0.6, 0.35):
+            T_up = T.copy()
+            T_up[2, 3] += max(height * share, _LEAST_LIFT)
+            line = self._kinematics.follow_line(q, T_up)
+            if line.fraction == 1.0:
+                return line.path
+        return None
+
+    def _unblocked(self, state: SceneState, ignored: list[str]) -> list[_Candidate]:
+        """Candidates whose reach and lifted pose are free among the objects of ``state``."""
+        if ignored:
+            return self._candidates
+        usable = []
+        for candidate in self._candidates:
+            world = self._collision.world(
+                state.object_poses, opening=candidate.grasp.opening, ignore=[self._target.name]
+            )
+            if world.free(candidate.reach).all() and world.free(candidate.lift[-1])[0]:
+                usable.append(candidate)
+        return usable
+
+    def _try(
+        self,
+        state: SceneState,
+        ignored: list[str],
+        pending: list[_Candidate],
+        rng: np.random.Generator,
+        causes: Counter[str],
+    ) -> tuple[Motion | None, list[_Candidate]]:
+        """One multi-goal query over the candidates that share an opening, then the carry."""
+        opening = pending[0].grasp.opening
+        group = [c for c in pending if c.grasp.opening == opening]
+        world = self._collision.world(state.object_poses, opening=opening, ignore=ignored)
+        goals = np.array([c.reach[0] for c in group])
+        reach = self._arm_planner.plan(self._problem.home, goals, world, rng)
+        if reach.path is None:
+            causes[f"transit_{reach.status}"] += 1
+            return None, group
+        chosen = group[reach.goal]
+        carry_world = self._collision.world(
+            state.object_poses,
+            opening=opening,
+            ignore=[self._target.name, *ignored],
+            held=chosen.held,
+        )
+        carry = self._arm_planner.plan(
+            chosen.lift[-1], self._problem.home[None, :], carry_world, rng
+        )
+        if carry.path is None:
+            causes[f"carry_{carry.status}"] += 1
+            return None, [chosen]
+        return self._motion(chosen, reach.path, carry.path), []
+
+    def _motion(self, chosen: _Candidate, transit: Array, carry: Array) -> Motion:
+        options, opening, name = self._options, chosen.grasp.opening, self._target.name
+        home = np.stack([self._problem.home, self._problem.home])
+        return Motion(
+            (
+                MotionSegment(
+                    SegmentKind.GRIPPER,
+                    Trajectory(np.array([0.0, _GRIPPER_TIME]), home),
+                    opening,
+                    contact_free=True,
+                ),
+                MotionSegment(
+                    SegmentKind.TRANSIT, self._timed(transit, np.inf), opening, contact_free=True
+                ),
+                MotionSegment(
+                    SegmentKind.REACH,
+                    self._timed(chosen.reach, options.reach_speed),
+                    opening,
+                    contact_free=True,
+                ),
+                MotionSegment(
+                    SegmentKind.LIFT,
+                    self._timed(chosen.lift, options.reach_speed),
+                    opening,
+                    held=name,
+                    contact_free=True,
+                ),
+                MotionSegment(
+                    SegmentKind.CARRY,
+                    self._timed(carry, options.carry_speed),
+                    opening,
+                    held=name,
+                    contact_free=True,
+                ),
+            ),
+            self._arm.gripper.closed,
+        )
+
+    def _timed(self, path: Array, tool_speed: float) -> Trajectory:
+        if np.isfinite(tool_speed):
+            path = interpolated(path, _TOOL_SPEED_STEP)
+        return time_path(
+            path,
+            self._arm.velocity,
+            scale=self._options.joint_speed,
+            tool_positions=np.array([self._kinematics.forward(q)[:3, 3] for q in path]),
+            tool_speed=tool_speed,
+        )
+

@@ -1,0 +1,29 @@
+"""Every hook is documented, has a role, and the roles are the ones that recipes know."""
+
+import inspect
+
+import pytest
+
+from mamo_core.compose import BUILD_ORDER
+from mamo_core.hookspecs import HOOK_OF_ROLE, HookSpecs
+from mamo_core.recipes import ROLES, Recipe
+
+HOOKS = {name for name in vars(HookSpecs) if name.startswith("mamo_")}
+
+
+def test_every_hook_has_a_role():
+    assert set(HOOK_OF_ROLE.values()) == HOOKS
+
+
+@pytest.mark.parametrize("name", sorted(HOOKS))
+def test_every_hook_is_documented(name):
+    hook = getattr(HookSpecs, name)
+    assert inspect.getdoc(hook)
+    assert list(inspect.signature(hook).parameters) == ["self"]
+    assert inspect.signature(hook).return_annotation == "Iterable[Component]"
+
+
+def test_every_role_is_built():
+    assert set(BUILD_ORDER) == set(HOOK_OF_ROLE)
+    assert {*ROLES, "action", "constraint"} == set(HOOK_OF_ROLE)
+    assert {*ROLES, "actions"} <= set(Recipe.model_fields)

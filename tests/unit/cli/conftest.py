@@ -1,0 +1,98 @@
+"""Runs commands in this process, with a toy plugin found as any installed plugin is."""
+
+import shutil
+import signal
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import mamo_core.robots
+from mamo_core.cli.main import main
+
+RECIPE = """\
+schema_version: 1
+name: toy_planner
+backend: toy_engine
+kinematics: toy
+collision: toy
+arm_planner: toy
+retrieval: toy
+actions: toy
+search: toy
+"""
+PROBLEM = """\
+schema_version: 1
+name: two_things
+robot: {name: pr2_right_arm, joints: [0, 0, 0, 0, 0, 0, 0]}
+workspace: {lower: [0, -0.5, 0], upper: [1, 0.5, 1]}
+objects:
+  - {name: t, box: [0.06, 0.06, 0.2], position: [0.5, 0.2, 0.1], mass: 0.4, friction: 0.5}
+  - {name: o1, box: [0.06, 0.06, 0.2], position: [0.3, 0.2, 0.1], mass: 0.4, friction: 0.5}
+target: t
+grasps:
+  - {position: [-0.1, 0, 0], approach: 0.1, opening: 0.07}
+"""
+
+
+class Outcome(NamedTuple):
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capsys):
+    """``run("plan", ...)`` in an empty folder with ``problem.yaml`` and ``toy.yaml``."""
+    install_toys(tmp_path / "site", monkeypatch)
+    work = tmp_path / "work"
+    work.mkdir()
+    (work / "problem.yaml").write_text(PROBLEM)
+    (work / "toy.yaml").write_text(RECIPE)
+    monkeypatch.chdir(work)
+    fake_what_is_slow(monkeypatch)
+    handler = signal.getsignal(signal.SIGINT)
+
+    def run(*arguments):
+        with pytest.raises(SystemExit) as caught:
+            main([str(argument) for argument in arguments])
+        out, err = capsys.readouterr()
+        return Outcome(caught.value.code, out, err)
+
+    yield run
+    signal.signal(signal.SIGINT, handler)
+
+
+def install_toys(site, monkeypatch):
+    site.mkdir()
+    shutil.copy(Path(__file__).parent / "toy_plugin.py", site / "toy_plugin.py")
+    info = site / "toys-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: toys\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[mamo]\ntoys = toy_plugin\n")
+    monkeypatch.syspath_prepend(site)
+    monkeypatch.delitem(sys.modules, "toy_plugin", raising=False)
+
+
+def fake_what_is_slow(monkeypatch):
+    """A robot without meshes, a verifier that believes the toy engine, a picture in words."""
+    joints = tuple(f"j{i}" for i in range(7))
+    robot = SimpleNamespace(
+        name="pr2_right_arm", dof=7, joint_names=joints, lower=-np.ones(7), upper=np.ones(7)
+    )
+    monkeypatch.setattr(mamo_core.robots, "load_arm", lambda name: robot)
+
+    def verify(problem, plan, model, robot):
+        failures = ("tilt: o1 at 1.000 s",) if model.breaks else ()
+        return SimpleNamespace(ok=not failures, failures=failures, rollout=None)
+
+    def draw(problem, plan=None, final_state=None, path=None):
+        Path(path).write_text(f"{problem.name} {plan is not None}")
+
+    for name, function in (("mamo_core.verify", verify), ("mamo_core.view.topdown", draw)):
+        module = ModuleType(name)
+        setattr(module, function.__name__, function)
+        monkeypatch.setitem(sys.modules, name, module)

@@ -1,0 +1,57 @@
+"""The example distribution is found, listed and checked like any other plugin."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "third_party_plugin"
+
+
+@pytest.fixture
+def environment(tmp_path):
+    """What ``pip install --target`` would leave behind, made without a network or a build tool."""
+    with open(EXAMPLE / "pyproject.toml", "rb") as file:
+        project = tomllib.load(file)["project"]
+    shutil.copytree(EXAMPLE / "mamo_shove", tmp_path / "mamo_shove")
+    info = tmp_path / f"mamo_shove-{project['version']}.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
+    )
+    entries = project["entry-points"]["mamo"]
+    lines = "".join(f"{name} = {module}\n" for name, module in entries.items())
+    (info / "entry_points.txt").write_text(f"[mamo]\n{lines}")
+    return {**os.environ, "PYTHONPATH": str(tmp_path)}
+
+
+def mamo(environment, *arguments):
+    command = [sys.executable, "-c", "from mamo_core.cli.main import main; main()", *arguments]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+
+def test_it_is_listed(environment):
+    done = mamo(environment, "plugins", "list", "--json")
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    shove = [c for c in document["components"] if c["plugin"] == "shove"]
+    assert shove == [
+        {
+            "role": "action",
+            "name": "shove",
+            "plugin": "shove",
+            "summary": "push an object from a random side",
+            "provides": [],
+        }
+    ]
+    assert "shove" not in [problem["plugin"] for problem in document["problems"]]
+
+
+def test_without_it_there_is_no_shove():
+    done = mamo(dict(os.environ), "plugins", "list", "--json")
+    assert "shove" not in done.stdout

@@ -1,0 +1,152 @@
+"""``mamo plan`` and ``mamo verify``: results, exit codes, files."""
+
+import json
+import os
+
+import pytest
+
+PLAN = ("plan", "problem.yaml", "--planner", "toy.yaml")
+
+
+def test_solved(run, tmp_path):
+    done = run(*PLAN, "-o", "plan.json", "--png", "plan.png")
+    assert done.code == 0
+    assert "two_things: solved" in done.out
+    for row in (
+        "planner  toy_planner",
+        "push o1, retrieve",
+        "verification  passed",
+        "mapf",
+        "0.25",
+    ):
+        assert " ".join(row.split()) in " ".join(done.out.split())
+    assert "searching with [solved]" in done.err
+    assert sorted(os.listdir()) == ["plan.json", "plan.png", "problem.yaml", "toy.yaml"]
+    assert (tmp_path / "work" / "plan.png").read_text() == "two_things True"
+
+
+def test_json_is_the_only_thing_on_stdout(run):
+    done = run(*PLAN, "--json", "--seed", 5, "-o", "plan.json")
+    document = json.loads(done.out)
+    assert document.pop("cpu_s") >= 0.0
+    assert document == {
+        "schema_version": 1,
+        "command": "plan",
+        "problem": "two_things",
+        "planner": "toy_planner",
+        "seed": 5,
+        "status": "solved",
+        "verified": True,
+        "failures": [],
+        "reason": "",
+        "actions": [{"kind": "push", "object": "o1"}],
+        "parts": {"mapf": 0.25},
+        "counts": {"rollouts": 4},
+        "causes": {"o1/push/stalled": 7, "o1/push/no_ik": 3},
+        "plan_file": "plan.json",
+        "picture": None,
+    }
+
+
+def test_the_same_seed_gives_the_same_file(run, tmp_path):
+    for name, seed in (("a", 1), ("b", 1), ("c", 2)):
+        assert run(*PLAN, "--seed", seed, "-o", name).code == 0
+    a, b, c = ((tmp_path / "work" / name).read_bytes() for name in "abc")
+    assert a == b
+    assert a != c
+
+
+@pytest.mark.parametrize(
+    ("outcome", "status"), [("exhausted", "budget_exhausted"), ("proved", "no_plan_proved")]
+)
+def test_no_plan_says_why(run, outcome, status):
+    done = run(*PLAN, "--set", f"search.outcome={outcome}", "-o", "plan.json", "--png", "p.png")
+    assert done.code == 3
+    assert f"two_things: {status}" in done.out
+    assert "the target is walled in" in done.out
+    causes = [line.split() for line in done.out.splitlines()[-2:]]
+    assert causes == [["o1", "push", "stalled", "7"], ["o1", "push", "no_ik", "3"]]
+    assert not os.path.exists("plan.json")
+    assert os.path.exists("p.png")
+
+
+def test_no_plan_as_json(run):
+    done = run(*PLAN, "--set", "search.outcome=proved", "--json")
+    assert done.code == 3
+    assert json.loads(done.out)["causes"] == {"o1/push/stalled": 7, "o1/push/no_ik": 3}
+
+
+def test_a_plan_that_does_not_pass(run):
+    done = run(*PLAN, "--set", "backend.breaks=true", "-o", "plan.json")
+    assert done.code == 4
+    assert "two_things: verification_failed" in done.out
+    assert "tilt: o1 at 1.000 s" in done.out
+    assert not os.path.exists("plan.json")
+
+
+def test_internal_error_is_one_line(run, monkeypatch):
+    done = run(*PLAN, "--set", "search.outcome=crash")
+    assert done.code == 1
+    assert done.out == ""
+    assert done.err.splitlines()[-1] == (
+        "internal error: RuntimeError: toys break (for details set MAMO_TRACEBACK=1)"
+    )
+    assert "Traceback" not in done.err
+    monkeypatch.setenv("MAMO_TRACEBACK", "1")
+    assert "Traceback" in run(*PLAN, "--set", "search.outcome=crash").err
+
+
+def test_interrupted(run):
+    done = run(*PLAN, "--set", "search.outcome=interrupt", "-o", "plan.json")
+    assert done.code == 130
+    assert done.err.splitlines()[-1] == "interrupted"
+    assert not os.path.exists("plan.json")
+
+
+def test_verify(run):
+    run(*PLAN, "-o", "plan.json")
+    done = run("verify", "plan.json")
+    assert (done.code, done.out) == (0, "plan.json: verified with toy_engine\n")
+    done = run("verify", "plan.json", "--json")
+    assert json.loads(done.out) == {
+        "schema_version": 1,
+        "command": "verify",
+        "plan_file": "plan.json",
+        "problem": "two_things",
+        "backend": "toy_engine",
+        "verified": True,
+        "failures": [],
+    }
+
+
+def edit_plan(change):
+    with open("plan.json") as file:
+        data = json.load(file)
+    change(data)
+    with open("plan.json", "w") as file:
+        json.dump(data, file)
+
+
+def test_verify_fails(run):
+    run(*PLAN, "-o", "plan.json")
+    edit_plan(lambda data: data["recipe"].update(backend={"name": "toy_engine", "breaks": True}))
+    done = run("verify", "plan.json")
+    assert done.code == 4
+    assert done.out == "plan.json: FAILED with toy_engine\n  tilt: o1 at 1.000 s\n"
+    assert run("verify", "plan.json", "--backend", "toy_engine").code == 0
+
+
+def test_verify_warns_of_other_versions(run):
+    run(*PLAN, "-o", "plan.json")
+    edit_plan(lambda data: data["versions"].update(numpy="0.1"))
+    done = run("verify", "plan.json")
+    assert done.code == 0
+    assert "warning: the plan was made with numpy 0.1, installed is " in done.err
+
+
+def test_verify_names_the_recipe_of_the_plan(run):
+    run(*PLAN, "-o", "plan.json")
+    edit_plan(lambda data: data["recipe"].pop("search"))
+    done = run("verify", "plan.json")
+    assert done.code == 2
+    assert done.err == "error: plan.json: recipe: missing key 'search'\n"
