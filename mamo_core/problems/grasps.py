@@ -11,7 +11,7 @@ from mamo_core.types.geometry import Box, Cylinder, make_pose
 from mamo_core.types.problem import Grasp
 from mamo_core.types.scene import SceneObject
 
-MAX_OPENING = {"pr2_right_arm": 0.0896, "panda": 0.0799}
+MAX_OPENING = {"pr2_right_arm": 0.0920, "panda": 0.0799}
 """Widest gap between the fingers by robot, m, as measured on the canonical arm models."""
 
 GRASPABLE_HALF_WIDTH = 0.05
@@ -20,8 +20,8 @@ GRASPABLE_HALF_WIDTH = 0.05
 TOOL_PAST_CENTER = 0.025
 """The author's tool point lies this far past the object's centre, m."""
 
-DEEPEST = 0.07
-"""Farthest the tool goes past the near face: 0.20 m from wrist to tool less 0.13 m of palm, m."""
+DEEPEST = 0.05
+"""Farthest the tool goes past the near face, m: further back the open fingers narrow."""
 
 APPROACH = 0.10
 """Straight distance before the grasp, m."""
@@ -29,8 +29,12 @@ APPROACH = 0.10
 PREGRASP_CLEARANCE = 0.075
 """The author's distance from the near face to the tool before the approach, m."""
 
-HEIGHTS = (0.05, 0.03, 0.075)
-"""Tool heights above the object's bottom, within the author's U(0.025, 0.075), m."""
+HEIGHTS = (0.09, 0.12, 0.065, 0.15)
+"""Tool heights above the object's bottom, m. Lower ones, as the author's U(0.025, 0.075), leave no
+room for the forearm between the hand and the shelf's front edge."""
+
+TOP_GAP = 0.02
+"""The tool stays this far below an object's top, m."""
 
 CYLINDER_YAWS = 16
 
@@ -97,10 +101,9 @@ def _angle(a: float, b: float) -> float:
 
 
 def _heights(height: float) -> tuple[float, ...]:
-    """Tool heights above the bottom; tall objects are also held at half their height."""
-    low = tuple(h for h in HEIGHTS if h < height)
-    middle = height / 2.0
-    return (*low, middle) if middle > max(HEIGHTS) or not low else low
+    """Tool heights above the bottom; a low object is held at half its height."""
+    fitting = tuple(h for h in HEIGHTS if h <= height - TOP_GAP)
+    return fitting or (height / 2.0,)
 
 
 def _grasp(

@@ -172,13 +172,23 @@ def _gripper(
         for number, T_link_finger in finger_transforms(links, drive).items():
             T_tool_finger = np.linalg.inv(T_link_tool) @ T_link_finger
             for mesh in pieces.get(number + 1, []):
-                points = mesh.vertices @ T_tool_finger[:3, :3].T + T_tool_finger[:3, 3]
-                side = np.abs(points[points[:, 0] > -spec.finger_zone, 1])
+                # The engines see hulls, which fill the hollow inner sides of fingers.
+                hull = mesh.convex_hull.copy().apply_transform(T_tool_finger)
+                side = np.abs(_ahead_of(hull, -spec.finger_zone)[:, 1])
                 gap = min(gap, 2.0 * float(side.min(initial=np.inf)))
         rows.append((gap, drive))
     table = np.array(rows)
     rising = np.concatenate([[True], np.diff(np.maximum.accumulate(table[:, 0])) > 1e-6])
     return GripperModel(drive_of_opening=table[rising], depth=spec.finger_zone)
+
+
+def _ahead_of(hull: Any, x: float) -> Array:
+    """Corners (k, 3) of the part of a convex mesh beyond the plane at ``x``."""
+    a, b = hull.vertices[hull.edges_unique].transpose(1, 0, 2)
+    crossing = (a[:, 0] - x) * (b[:, 0] - x) < 0.0
+    a, b = a[crossing], b[crossing]
+    cut = a + (b - a) * ((x - a[:, 0]) / (b[:, 0] - a[:, 0]))[:, None]
+    return np.vstack([hull.vertices[hull.vertices[:, 0] >= x], cut])
 
 
 def _body_box(spec: ArmSpec, link: str, model: Any, geometry: Any) -> BodyBox:

@@ -70,7 +70,7 @@ PR2_RIGHT_ARM = ArmSpec(
     T_link_tool=_translation(0.20, 0.0, 0.0),
     home=(-1.68651, -0.184315, -1.67611, -1.66215, 0.285096, -0.658798, 1.41563),
     finger_travel=0.548,
-    finger_zone=0.07,
+    finger_zone=0.05,
     cover_slack={
         "r_shoulder_pan_joint": 0.06,
         "r_shoulder_lift_joint": 0.05,

@@ -10,6 +10,8 @@ from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Trajectory
 
 _RAMP = 0.2
+_CORNER_JUMP = 0.5
+_GRID = 0.02
 
 
 def time_path(
@@ -22,8 +24,8 @@ def time_path(
 ) -> Trajectory:
     """Follow ``path`` (k, dof) as fast as ``scale`` times the limits (dof,) allow.
 
-    With ``tool_positions`` (k, 3) the tool stays below ``tool_speed`` m/s, too. Speed ramps up
-    and down over 0.2 s at the ends. A path of one configuration becomes a short stop.
+    With ``tool_positions`` (k, 3) the tool stays below ``tool_speed`` m/s, too. Speed builds up and
+    falls within 0.2 s, and at corners no joint's speed jumps by more than 0.5 rad/s.
     """
     steps = np.abs(np.diff(path, axis=0))
     durations = (steps / (scale * velocity_limits)).max(axis=1, initial=0.0)
@@ -33,14 +35,40 @@ def time_path(
     moving = durations > 1e-9
     if not moving.any():
         return Trajectory(np.array([0.0]), path[:1])
-    progress = np.concatenate([[0.0], np.cumsum(durations[moving])])
     points = np.vstack([path[:1], path[1:][moving]])
-    # Cut long pieces so that the ramps are followed closely.
-    fine = np.unique(np.concatenate([progress, np.arange(0.0, progress[-1], 0.02)]))
-    fine = fine[np.concatenate([[True], np.diff(fine) > 1e-9])]
-    fine[-1] = progress[-1]
-    positions = np.stack([np.interp(fine, progress, column) for column in points.T], axis=1)
-    return Trajectory(_ramped(fine), positions)
+    progress = np.concatenate([[0.0], np.cumsum(durations[moving])])
+    # Progress is time at full speed; the grid holds every corner and cuts long pieces.
+    cuts = [
+        np.linspace(a, b, max(1, int(np.ceil((b - a) / _GRID))), endpoint=False)
+        for a, b in pairwise(progress)
+    ]
+    grid = np.concatenate([*cuts, progress[-1:]])
+    rates = np.minimum(1.0, _corner_rates(points, progress, grid))
+    positions = np.stack([np.interp(grid, progress, column) for column in points.T], axis=1)
+    return Trajectory(_times(grid, rates), positions)
+
+
+def _corner_rates(points: Array, progress: Array, grid: Array) -> Array:
+    """Share of full speed allowed at each grid value: low at corners, 0 at both ends."""
+    velocities = np.diff(points, axis=0) / np.diff(progress)[:, None]
+    jumps = np.abs(np.diff(velocities, axis=0)).max(axis=1, initial=0.0)
+    rates = np.full(grid.size, np.inf)
+    corners = np.searchsorted(grid, progress[1:-1])
+    rates[corners] = _CORNER_JUMP / np.maximum(jumps, 1e-9)
+    rates[[0, -1]] = 0.0
+    return rates
+
+
+def _times(grid: Array, rates: Array) -> Array:
+    """Times along the grid with rates raised and lowered by at most 1 per ``_RAMP``."""
+    squares = rates**2
+    gaps = 2.0 * np.diff(grid) / _RAMP
+    for k in range(1, grid.size):
+        squares[k] = min(squares[k], squares[k - 1] + gaps[k - 1])
+    for k in range(grid.size - 2, -1, -1):
+        squares[k] = min(squares[k], squares[k + 1] + gaps[k])
+    speeds = np.sqrt(squares)
+    return np.concatenate([[0.0], np.cumsum(2.0 * np.diff(grid) / (speeds[1:] + speeds[:-1]))])
 
 
 def interpolated(path: Array, step: float) -> Array:

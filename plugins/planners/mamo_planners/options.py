@@ -12,7 +12,7 @@ from mamo_core.hookspecs import Options
 class RetrievalOptions(Options):
     """Options of ``grasp_and_extract``."""
 
-    branches: int = Field(3, ge=1, description="arm configurations tried per grasp")
+    branches: int = Field(8, ge=1, description="arm configurations tried per grasp")
     lift: float = Field(0.075, gt=0.0, le=0.3, description="largest lift of the target, m")
     ceiling_gap: float = Field(0.015, gt=0.0, description="distance kept from the ceiling, m")
     joint_speed: float = Field(0.5, gt=0.0, le=1.0, description="share of the velocity limits")

@@ -70,42 +70,52 @@ class ConflictSearch:
     """
 
     def __init__(
-        self, model: Model, planner: SinglePlanner, weight: float, nodes: int, candidates: int
+        self,
+        model: Model,
+        planner: SinglePlanner,
+        weight: float,
+        nodes: int,
+        candidates: int,
+        flexible: bool = False,
     ) -> None:
         self._model = model
         self._planner = planner
         self._weight = weight
         self._limit = nodes
         self._candidates = candidates
+        self._flexible = flexible
         self._open = _Open(weight)
+        self._expanded = 0
 
     def run(self) -> Outcome:
         """Searches until solved, exhausted or out of work; the bound is right in each case."""
-        expanded = 0
         try:
             root = self._root()
+            if root is None:
+                return Outcome(None, 0, 0, True, 0)
+            self._open.push(root)
+            return self._search()
         except WorkOutError:
-            return Outcome(None, 0, 0, False, 0)
-        if root is None:
-            return Outcome(None, 0, 0, True, 0)
-        self._open.push(root)
+            return self._stopped(None, False)
+
+    def _search(self) -> Outcome:
         while True:
             node = self._open.pop()
             if node is None:
-                return Outcome(None, 0, self._open.bound, True, expanded)
-            bound = self._open.bound
-            if len(node.conflicts) == 0:
-                paths = tuple(plan.path for plan in node.plans)
-                return Outcome(paths, node.cost, bound, False, expanded)
-            if expanded >= self._limit:
-                return Outcome(None, 0, bound, False, expanded)
-            expanded += 1
-            try:
-                children = self._children(node)
-            except WorkOutError:
-                return Outcome(None, 0, bound, False, expanded)
-            for child in children:
-                self._open.push(child)
+                return self._stopped(None, True)
+            if node.cost > self._weight * self._open.bound:
+                self._open.push(self._tightened(node))
+            elif len(node.conflicts) == 0 or self._expanded >= self._limit:
+                return self._stopped(node if len(node.conflicts) == 0 else None, False)
+            else:
+                self._expanded += 1
+                for child in self._children(node):
+                    self._open.push(child)
+
+    def _stopped(self, node: _Node | None, exhausted: bool) -> Outcome:
+        paths = tuple(plan.path for plan in node.plans) if node else None
+        cost = node.cost if node else 0
+        return Outcome(paths, cost, self._open.bound, exhausted, self._expanded)
 
     def _root(self) -> _Node | None:
         n = self._model.count
@@ -174,7 +184,7 @@ class ConflictSearch:
 
     def _child(self, node: _Node, agent: int, row: Int32Array) -> _Node | None:
         rows = np.concatenate([node.rows[agent], row])
-        plan = self._planner.plan(agent, rows, node.others, self._weight)
+        plan = self._replan(node, agent, rows)
         if plan is None:
             return None
         plans = (*node.plans[:agent], plan, *node.plans[agent + 1 :])
@@ -187,6 +197,29 @@ class ConflictSearch:
                 max(node.bound, sum(p.bound for p in plans)),
             )
         )
+
+    def _replan(self, node: _Node, agent: int, rows: Int32Array) -> Plan | None:
+        """A plan for one agent of the node that keeps all together within the weight.
+
+        Flexible: it may use what the others leave (Chan et al., AAAI 2022); each agent by itself
+        otherwise.
+        """
+        if self._weight <= 1.0 or not self._flexible:
+            return self._planner.plan(agent, rows, node.others, self._weight)
+        allowance = int(self._weight * node.bound) - (node.cost - node.plans[agent].cost)
+        return self._planner.plan(agent, rows, node.others, 1.0, max(allowance, 0))
+
+    def _tightened(self, node: _Node) -> _Node:
+        """The node with every plan within the weight of its own bound, so the node is too."""
+        plans, others = list(node.plans), node.others
+        for agent, rows in enumerate(node.rows):
+            if plans[agent].cost > self._weight * plans[agent].bound:
+                plan = self._planner.plan(agent, rows, others, self._weight)
+                assert plan is not None  # the same search found one before
+                plans[agent] = plan
+                others = with_path(others, agent, plan.path)
+        bound = max(node.bound, sum(plan.bound for plan in plans))
+        return self._checked(replace(node, plans=tuple(plans), others=others, bound=bound))
 
 
 class _Open:
@@ -221,10 +254,8 @@ class _Open:
             cost, name = heapq.heappop(self._by_cost)
             if name in self._nodes:
                 heapq.heappush(self._focal, (len(self._nodes[name].conflicts), cost, name))
-        if self._focal:
-            name = heapq.heappop(self._focal)[2]
-        else:
-            name = self._by_bound[0][1]
+        # Where the flexible slack was overdrawn, no node may be within the limit.
+        name = heapq.heappop(self._focal)[2] if self._focal else self._by_bound[0][1]
         return self._nodes.pop(name)
 
 

@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 from mamo_planners.mapf.kernel import kernel
 
+from mamo_planners.mapf.constraints import FOREVER
 from mamo_planners.mapf.distance import Int64Array
-from mamo_planners.mapf.tables import APART, CLOSEST, Int32Array, PairTables, overlap
+from mamo_planners.mapf.tables import APART, CLOSEST, Int16Array, Int32Array, PairTables, overlap
 
 TOO_CLOSE, MEET_AGAIN, PARTED = 0, 1, 2
 """Overlap; overlap of a pair that had parted; parting where the branch says together."""
@@ -22,20 +23,40 @@ FIRST, SECOND, WHEN, DEPTH, WHAT = range(5)
 
 @kernel
 def slack(
-    tables: PairTables, table: int, i: int, j: int, dx: int, dy: int, sx: int, sy: int
+    low: Int16Array,
+    high: Int16Array,
+    first: Int32Array,
+    table: int,
+    i: int,
+    j: int,
+    dx: int,
+    dy: int,
+    sx: int,
+    sy: int,
 ) -> int:
     """Steps that the offset may go along (sx, sy) before the pair no longer overlaps."""
     steps = 0
-    while overlap(tables, table, i, j, dx + (steps + 1) * sx, dy + (steps + 1) * sy):
+    while overlap(low, high, first, table, i, j, dx + (steps + 1) * sx, dy + (steps + 1) * sy):
         steps += 1
     return steps
 
 
 @kernel
-def _depth(tables: PairTables, table: int, i: int, j: int, dx: int, dy: int) -> int:
-    a = min(slack(tables, table, i, j, dx, dy, 1, 0), slack(tables, table, i, j, dx, dy, -1, 0))
-    b = min(slack(tables, table, i, j, dx, dy, 0, 1), slack(tables, table, i, j, dx, dy, 0, -1))
-    return min(a, b)
+def _depth(
+    low: Int16Array,
+    high: Int16Array,
+    first: Int32Array,
+    table: int,
+    i: int,
+    j: int,
+    dx: int,
+    dy: int,
+) -> int:
+    """Steps to the nearest offset without overlap, along x or y."""
+    least = FOREVER
+    for sx, sy in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        least = min(least, slack(low, high, first, table, i, j, dx, dy, sx, sy))
+    return least
 
 
 @kernel
@@ -44,34 +65,34 @@ def _pair_conflict(
     j: int,
     paths: Int32Array,
     lengths: Int64Array,
-    tables: PairTables,
+    low: Int16Array,
+    high: Int16Array,
+    first: Int32Array,
+    touching: bool,
     together: int,
     found: Int64Array,
 ) -> bool:
     """The pair's deepest conflict into ``found`` (5,); ``together``: it may not part by then."""
-    parted = not tables.touching[i, j]
-    found[DEPTH] = -1
+    parted = not touching
+    found[FIRST], found[SECOND], found[DEPTH] = i, j, -1
     for t in range(1, max(lengths[i], lengths[j])):
         a, b = min(t, lengths[i] - 1), min(t, lengths[j] - 1)
         dx = paths[i, a, 0] - paths[j, b, 0]
         dy = paths[i, a, 1] - paths[j, b, 1]
-        kind = -1
-        if overlap(tables, CLOSEST, i, j, dx, dy):
+        kind, table = -1, CLOSEST
+        if overlap(low, high, first, CLOSEST, i, j, dx, dy):
             kind = TOO_CLOSE
-        elif tables.touching[i, j]:
-            if not overlap(tables, APART, i, j, dx, dy):
-                parted = True
-                if t <= together:
-                    found[FIRST], found[SECOND], found[WHEN] = i, j, t
-                    found[DEPTH], found[WHAT] = 0, PARTED
-                    return True
-            elif parted:
-                kind = MEET_AGAIN
+        elif touching and not overlap(low, high, first, APART, i, j, dx, dy):
+            parted = True
+            if t <= together:
+                found[WHEN], found[DEPTH], found[WHAT] = t, 0, PARTED
+                return True
+        elif touching and parted:
+            kind, table = MEET_AGAIN, APART
         if kind >= 0:
-            depth = _depth(tables, CLOSEST if kind == TOO_CLOSE else APART, i, j, dx, dy)
+            depth = _depth(low, high, first, table, i, j, dx, dy)
             if depth > found[DEPTH]:
-                found[FIRST], found[SECOND], found[WHEN] = i, j, t
-                found[DEPTH], found[WHAT] = depth, kind
+                found[WHEN], found[DEPTH], found[WHAT] = t, depth, kind
     return found[DEPTH] >= 0
 
 
@@ -87,6 +108,7 @@ def find_conflicts(
     ``paths`` (n, T, 2) in steps; ``lengths`` (n,); ``together`` (n, n): time until which a pair
     that starts too close is meant not to part, 0 where nothing is meant.
     """
+    low, high, first, touching = tables
     n = lengths.shape[0]
     found = np.empty((n * (n - 1) // 2 + 1, 5), np.int64)
     count = 0
@@ -94,8 +116,18 @@ def find_conflicts(
         for j in range(i + 1, n):
             if lengths[i] == 1 and lengths[j] == 1:
                 continue
-            if _pair_conflict(i, j, paths, lengths, tables, together[i, j], found[count]):
-                count += 1
+            count += _pair_conflict(
+                i,
+                j,
+                paths,
+                lengths,
+                low,
+                high,
+                first,
+                touching[i, j],
+                together[i, j],
+                found[count],
+            )
     return found[:count].copy()
 
 
@@ -116,17 +148,18 @@ def split_box(
     It takes ``share`` of the steps that j could move in each direction and still overlap, so
     that both sides of the split forbid about as much. Returns least x, y and largest x, y.
     """
+    low, high, first, _ = tables
     dx, dy = xi - xj, yi - yj
-    left = int(share * slack(tables, table, i, j, dx, dy, 1, 0))
-    right = int(share * slack(tables, table, i, j, dx, dy, -1, 0))
-    down = int(share * slack(tables, table, i, j, dx, dy, 0, 1))
-    up = int(share * slack(tables, table, i, j, dx, dy, 0, -1))
+    left = int(share * slack(low, high, first, table, i, j, dx, dy, 1, 0))
+    right = int(share * slack(low, high, first, table, i, j, dx, dy, -1, 0))
+    down = int(share * slack(low, high, first, table, i, j, dx, dy, 0, 1))
+    up = int(share * slack(low, high, first, table, i, j, dx, dy, 0, -1))
     while left + right + down + up > 0:
         inside = (
-            overlap(tables, table, i, j, dx + left, dy + down)
-            and overlap(tables, table, i, j, dx + left, dy - up)
-            and overlap(tables, table, i, j, dx - right, dy + down)
-            and overlap(tables, table, i, j, dx - right, dy - up)
+            overlap(low, high, first, table, i, j, dx + left, dy + down)
+            and overlap(low, high, first, table, i, j, dx + left, dy - up)
+            and overlap(low, high, first, table, i, j, dx - right, dy + down)
+            and overlap(low, high, first, table, i, j, dx - right, dy - up)
         )
         if inside:
             break

@@ -9,16 +9,17 @@ footprint is valid for the object.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import atan2, cos, hypot, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from mamo_core.types.geometry import Array, Cylinder, Shape, rotation_from_quat, yaw_of
+from mamo_core.types.geometry import Array, Box, Cylinder, Shape, rotation_from_quat
 from mamo_planners.mapf.convex import hull
 
-UPRIGHT = 1.0 - 1e-9
-"""Cosine of the tilt from which a body counts as upright (about 0.003 degrees)."""
+LEVEL = 1e-9
+"""sin^2 of half the tilt up to which a body counts as upright (about 0.004 degrees)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,32 +48,37 @@ class Footprint:
 def footprint_of(shape: Shape, pose: npt.ArrayLike) -> Footprint:
     """The footprint of ``shape`` at ``pose`` (7,), conservative if it is tilted."""
     values = np.asarray(pose, dtype=np.float64)
-    R = rotation_from_quat(values[3:])
-    if isinstance(shape, Cylinder):
-        return _cylinder(shape, values[2], R[:, 2])
-    half = shape.size / 2.0
-    upright = _rectangle(half[0], half[1], yaw_of(values))
-    reach_z = half[2]
-    if abs(R[2, 2]) < UPRIGHT:
-        signs = np.array([[a, b, c] for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)])
-        points = np.concatenate([upright, (signs * half) @ R[:2].T])
-        upright = hull(points, len(points))
-        reach_z = max(half[2], float(np.abs(R[2]) @ half))
-    return Footprint(upright, 0.0, values[2] - reach_z, values[2] + reach_z, np.sqrt(2.0))
+    _, _, z, w, x, y, quat_z = values.tolist()
+    tilted = (x * x + y * y) > LEVEL * (w * w + x * x + y * y + quat_z * quat_z)
+    rotation = rotation_from_quat(values[3:]) if tilted else None
+    if isinstance(shape, Box):
+        yaw = 2.0 * atan2(quat_z, w)
+        if rotation is not None:
+            yaw = atan2(rotation[1, 0], rotation[0, 0])
+        return _box(shape, z, yaw, rotation)
+    return _cylinder(shape, z, rotation)
 
 
-def _rectangle(hx: float, hy: float, yaw: float) -> Array:
-    c, s = np.cos(yaw), np.sin(yaw)
-    corners = np.array([[hx, hy], [-hx, hy], [-hx, -hy], [hx, -hy]])
-    return corners @ np.array([[c, s], [-s, c]])
+def _box(shape: Box, z: float, yaw: float, rotation: Array | None) -> Footprint:
+    hx, hy, hz = (shape.size / 2.0).tolist()
+    c, s = cos(yaw), sin(yaw)
+    corners = [(hx, hy), (-hx, hy), (-hx, -hy), (hx, -hy)]
+    points = np.array([(c * u - s * v, s * u + c * v) for u, v in corners])
+    if rotation is None:
+        return Footprint(points, 0.0, z - hz, z + hz, sqrt(2.0))
+    signs = np.array([[a, b, c] for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)])
+    points = np.concatenate([points, (signs * shape.size / 2.0) @ rotation[:2].T])
+    reach_z = max(hz, float(np.abs(rotation[2]) @ shape.size) / 2.0)
+    return Footprint(hull(points, len(points)), 0.0, z - reach_z, z + reach_z, sqrt(2.0))
 
 
-def _cylinder(shape: Cylinder, z: float, axis: Array) -> Footprint:
+def _cylinder(shape: Cylinder, z: float, rotation: Array | None) -> Footprint:
     half = shape.height / 2.0
-    if abs(axis[2]) >= UPRIGHT:
+    if rotation is None:
         return Footprint(np.zeros((1, 2)), shape.radius, z - half, z + half)
+    axis = rotation[:, 2]
     ends = np.stack([axis[:2] * half, -axis[:2] * half])
-    lean = float(np.hypot(axis[0], axis[1]))
+    lean = hypot(axis[0], axis[1])
     reach_z = max(half, half * abs(float(axis[2])) + shape.radius * lean)
     return Footprint(ends, shape.radius, z - reach_z, z + reach_z)
 

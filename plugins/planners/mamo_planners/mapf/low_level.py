@@ -17,7 +17,7 @@ from mamo_planners.mapf.constraints import FOREVER, Forbidden, mark_forbidden
 from mamo_planners.mapf.distance import FAR, BoolArray, Int64Array
 from mamo_planners.mapf.heap import pop_key, push_key
 from mamo_planners.mapf.model import AgentMap
-from mamo_planners.mapf.tables import CLOSEST, Int16Array, Int32Array, PairTables
+from mamo_planners.mapf.tables import CLOSEST, Int16Array, Int32Array, PairTables, overlap
 
 FOUND, NO_PATH, OUT_OF_WORK, OUT_OF_ROOM = 0, 1, 2, 3
 
@@ -100,11 +100,8 @@ def _hits(
         for s in range(min(t, lengths[j] - 1), min(until, lengths[j] - 1) + 1):
             if s < 0:
                 continue  # this path is not known yet
-            k = x - paths[j, s, 0] - first[CLOSEST, agent, j]
-            dy = y - paths[j, s, 1]
-            if k < 0 or k >= low.shape[3]:
-                continue
-            if low[CLOSEST, agent, j, k] <= dy and dy <= high[CLOSEST, agent, j, k]:
+            dx, dy = x - paths[j, s, 0], y - paths[j, s, 1]
+            if overlap(low, high, first, CLOSEST, agent, j, dx, dy):
                 if hard[j]:
                     return -1
                 hits += 1
@@ -217,9 +214,7 @@ def plan(
         bound = distance[x, y] if kind == 0 else np.int64(stay)
         hits = 0
         if kind == 1 and bound <= _MAX_COST:
-            hits = _hits(
-                agent, 0, 0, 1, FOREVER, paths, lengths, hard, low, high, first
-            )
+            hits = _hits(agent, 0, 0, 1, FOREVER, paths, lengths, hard, low, high, first)
         if bound > _MAX_COST or hits < 0 or (kind == 1 and until[start] >= 0):
             continue
         node = counters[N_NODES]
@@ -301,6 +296,14 @@ def plan(
                 nodes[node, STATE] = LIVE if kind == 0 else RESTING
                 best[layer + kind * (horizon + 1), other] = (stamp << 32) | node
                 _queue(exact, node, bound, hits, counters, focal, waiting, every)
+
+
+@kernel
+def struck(agent: int, others: Others, tables: PairTables) -> bool:
+    """Whether the agent, if it never moves, is run into by one that must be avoided."""
+    paths, lengths, hard = others
+    low, high, first, _ = tables
+    return _hits(agent, 0, 0, 1, FOREVER, paths, lengths, hard, low, high, first) < 0
 
 
 @kernel

@@ -17,6 +17,7 @@ from mamo_planners.mapf.low_level import (
     Query,
     Workspace,
     plan,
+    struck,
     trace,
 )
 from mamo_planners.mapf.model import Model
@@ -58,7 +59,8 @@ class SinglePlanner:
         Raises:
             WorkOutError: the expansions allowed are used up.
         """
-        if len(rows) == 0 and self.model.stay_units[agent] == 0 and not others.hard.any():
+        free = len(rows) == 0 and self.model.stay_units[agent] == 0
+        if free and not struck(agent, others, self.model.tables):
             return Plan(np.zeros((1, 2), dtype=np.int32), 0, 0)
         grid = self.model.map(agent)
         horizon = last_time(rows)

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from mamo_core.errors import InputError
 from mamo_core.interfaces.mapf_solver import MAPFSolver
 from mamo_core.types.geometry import Array
 from mamo_core.types.mapf import MAPFAgent, MAPFBudget, MAPFProblem, MAPFSolution, MAPFStatus
@@ -45,7 +46,7 @@ class StagedSolver(MAPFSolver):
         bound, nodes = 0, 0
         shares = sum(stage[0] for stage in self._stages)
         for share, factor, search in self._stages:
-            part = share / shares
+            part = share / shares if shares > 0.0 else 0.0
             shares -= share
             planner.limit = planner.expansions + int(
                 part * (budget.expansions - planner.expansions)
@@ -71,11 +72,11 @@ class StagedSolver(MAPFSolver):
         )
 
 
-def conflict_stage(weight: float, candidates: int) -> Stage:
+def conflict_stage(weight: float, candidates: int, flexible: bool = False) -> Stage:
     """CBS (``weight`` 1) or ECBS as a stage."""
 
     def run(model: Model, planner: SinglePlanner, nodes: int, rng: np.random.Generator) -> Outcome:
-        return ConflictSearch(model, planner, weight, nodes, candidates).run()
+        return ConflictSearch(model, planner, weight, nodes, candidates, flexible).run()
 
     return run
 
@@ -87,6 +88,46 @@ def prioritized_stage(orders: int) -> Stage:
         return prioritized(model, planner, rng, min(orders, nodes))
 
     return run
+
+
+def cbs(candidates: int = 4) -> MAPFSolver:
+    """Optimal conflict-based search."""
+    return StagedSolver(((1.0, 1.0, conflict_stage(1.0, candidates)),))
+
+
+def ecbs(w: float = 1.5, candidates: int = 1, flexible: bool = True) -> MAPFSolver:
+    """Conflict-based search within ``w`` times the optimum."""
+    return StagedSolver(((1.0, w, conflict_stage(w, candidates, flexible)),))
+
+
+def prioritized_planning(orders: int = 100) -> MAPFSolver:
+    """Prioritised planning over up to ``orders`` priority orders."""
+    return StagedSolver(((1.0, float("inf"), prioritized_stage(orders)),))
+
+
+def portfolio(
+    cbs_share: float = 0.01,
+    candidates: int = 4,
+    tight: tuple[float, float] = (0.02, 1.5),
+    loose: tuple[float, float] = (0.10, 3.0),
+    orders: int = 1000,
+) -> MAPFSolver:
+    """CBS, ECBS ``tight`` and ``loose`` (share of the budget, factor), then prioritised planning.
+
+    Raises:
+        InputError: the shares add up to more than 1.
+    """
+    rest = 1.0 - cbs_share - tight[0] - loose[0]
+    if rest < -1e-9:
+        raise InputError(f"portfolio: shares add up to {1.0 - rest:g} (valid: at most 1)")
+    return StagedSolver(
+        (
+            (cbs_share, 1.0, conflict_stage(1.0, candidates)),
+            (tight[0], tight[1], conflict_stage(tight[1], 1, flexible=True)),
+            (loose[0], loose[1], conflict_stage(loose[1], 1)),
+            (max(rest, 0.0), float("inf"), prioritized_stage(orders)),
+        )
+    )
 
 
 def _solution(problem: MAPFProblem, outcome: Outcome, bound: int, factor: float) -> MAPFSolution:

@@ -111,9 +111,18 @@ def _pair_tables(shapes: FootprintArrays, step: float, margin: float, width: int
 
 
 @kernel
-def overlap(tables: PairTables, table: int, i: int, j: int, dx: int, dy: int) -> bool:
+def overlap(
+    low: Int16Array,
+    high: Int16Array,
+    first: Int32Array,
+    table: int,
+    i: int,
+    j: int,
+    dx: int,
+    dy: int,
+) -> bool:
     """Whether agents i and j overlap at the lattice offset (dx, dy) of i from j, in steps."""
-    k = dx - tables.first[table, i, j]
-    if k < 0 or k >= tables.low.shape[3]:
+    k = dx - first[table, i, j]
+    if k < 0 or k >= low.shape[3]:
         return False
-    return tables.low[table, i, j, k] <= dy and dy <= tables.high[table, i, j, k]
+    return low[table, i, j, k] <= dy and dy <= high[table, i, j, k]
