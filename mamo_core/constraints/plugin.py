@@ -1,18 +1,14 @@
-"""Registers the standard interaction constraints."""
+"""Registers the standard interaction constraints; their code is imported when one is built."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from mamo_core.constraints.standard import (
-    BoundsConstraint,
+from mamo_core.constraints.options import (
     BoundsOptions,
-    ContactConstraint,
     ContactOptions,
-    SpeedConstraint,
     SpeedOptions,
-    TiltConstraint,
     TiltOptions,
 )
 from mamo_core.hookspecs import Component, hookimpl
@@ -21,19 +17,27 @@ if TYPE_CHECKING:
     from mamo_core.compose import BuildContext
 
 
-def _contact(context: BuildContext, options: ContactOptions) -> ContactConstraint:
+def _contact(context: BuildContext, options: ContactOptions) -> Any:
+    from mamo_core.constraints.standard import ContactConstraint
+
     return ContactConstraint(context.problem)
 
 
-def _tilt(context: BuildContext, options: TiltOptions) -> TiltConstraint:
+def _tilt(context: BuildContext, options: TiltOptions) -> Any:
+    from mamo_core.constraints.standard import TiltConstraint
+
     return TiltConstraint(context.problem, options)
 
 
-def _speed(context: BuildContext, options: SpeedOptions) -> SpeedConstraint:
+def _speed(context: BuildContext, options: SpeedOptions) -> Any:
+    from mamo_core.constraints.standard import SpeedConstraint
+
     return SpeedConstraint(context.problem, options)
 
 
-def _bounds(context: BuildContext, options: BoundsOptions) -> BoundsConstraint:
+def _bounds(context: BuildContext, options: BoundsOptions) -> Any:
+    from mamo_core.constraints.standard import BoundsConstraint
+
     return BoundsConstraint(context.problem, options)
 
 
@@ -46,3 +50,10 @@ def mamo_constraints() -> Iterable[Component]:
         Component("speed", _speed, SpeedOptions, "objects stay slow"),
         Component("bounds", _bounds, BoundsOptions, "objects do not fall"),
     ]
+
+
+def warm_up() -> None:
+    """Compile the screens (or read them from numba's cache)."""
+    from mamo_core.constraints.kernels import warm_up as compile_all
+
+    compile_all()

@@ -6,39 +6,13 @@ Each looks at one step at a time; a quick test over whole arrays decides whether
 from __future__ import annotations
 
 import numpy as np
-from pydantic import Field
 
-from mamo_core.hookspecs import Options
+from mamo_core.constraints.kernels import deepest, largest_square, least_cosine
+from mamo_core.constraints.options import BoundsOptions, SpeedOptions, TiltOptions
 from mamo_core.interfaces.constraint import InteractionConstraint
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ROBOT, StepObservation, Violation
 from mamo_core.types.scene import Mobility
-
-
-class ContactOptions(Options):
-    """Options of ``contact``: none."""
-
-
-class TiltOptions(Options):
-    """Options of ``tilt``."""
-
-    limit_deg: float = Field(
-        25.0, gt=0.0, le=180.0, description="largest angle of a body's z axis to its start, degrees"
-    )
-
-
-class SpeedOptions(Options):
-    """Options of ``speed``."""
-
-    limit: float = Field(1.0, gt=0.0, description="largest speed of an object's centre, m/s")
-
-
-class BoundsOptions(Options):
-    """Options of ``bounds``."""
-
-    drop: float = Field(
-        0.05, gt=0.0, description="an object's centre this far below its start height fell, m"
-    )
 
 
 class ContactConstraint(InteractionConstraint):
@@ -93,9 +67,9 @@ class TiltConstraint(InteractionConstraint):
         self._cosine = float(np.cos(self._limit))
 
     def violations(self, step: StepObservation) -> list[Violation]:
-        cosines = np.einsum("ij,ij->i", step.z_axes, self._reference)
-        if cosines.min(initial=1.0) >= self._cosine:
+        if least_cosine(step.z_axes, self._reference) >= self._cosine:
             return []
+        cosines = np.einsum("ij,ij->i", step.z_axes, self._reference)
         return [
             Violation(
                 self.name,
@@ -119,9 +93,9 @@ class SpeedConstraint(InteractionConstraint):
         self._limit = options.limit
 
     def violations(self, step: StepObservation) -> list[Violation]:
-        squares = np.einsum("ij,ij->i", step.velocities, step.velocities)
-        if squares.max(initial=0.0) <= self._limit**2:
+        if largest_square(step.velocities) <= self._limit**2:
             return []
+        squares = np.einsum("ij,ij->i", step.velocities, step.velocities)
         return [
             Violation(
                 self.name, self._names[i], None, step.time, float(np.sqrt(squares[i])), self._limit
@@ -141,9 +115,9 @@ class BoundsConstraint(InteractionConstraint):
         self._drop = options.drop
 
     def violations(self, step: StepObservation) -> list[Violation]:
-        below = self._lowest - step.positions[:, 2]
-        if below.max(initial=-1.0) <= 0.0:
+        if deepest(step.positions, self._lowest) <= 0.0:
             return []
+        below = self._lowest - step.positions[:, 2]
         return [
             Violation(
                 self.name,

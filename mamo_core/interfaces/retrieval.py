@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,9 +15,13 @@ from mamo_core.types.scene import SceneState
 
 @dataclass(frozen=True, eq=False)
 class Retrieval:
-    """A retrieval from home to home, or None with the number of failures by cause."""
+    """A retrieval from home to home, or None with the number of failures by cause.
+
+    ``grasp``: the number of the problem's grasp it uses.
+    """
 
     motion: Motion | None
+    grasp: int = -1
     causes: Mapping[str, int] = field(default_factory=dict)
 
 
@@ -26,9 +30,14 @@ class RetrievalPlanner(ABC):
 
     @abstractmethod
     def plan(
-        self, state: SceneState, rng: np.random.Generator, *, ignore_movables: bool = False
+        self,
+        state: SceneState,
+        rng: np.random.Generator,
+        *,
+        ignore_movables: bool = False,
+        avoid: Collection[int] = (),
     ) -> Retrieval:
-        """A contact-free retrieval among the objects of ``state``."""
+        """A contact-free retrieval among the objects of ``state``, by no grasp in ``avoid``."""
 
     @abstractmethod
     def swept_region(self, state: SceneState, motion: Motion) -> SweptRegion:

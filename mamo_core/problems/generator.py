@@ -56,8 +56,8 @@ REACH = (0.66, 0.82)
 """Published targets are uniform in x up to the first and thin out to none at the second, m."""
 
 _FIRST_ID = 6
-_OBJECT_DRAWS = 400
-_SCENE_DRAWS = 50
+_MISSES = 500
+_SCENE_DRAWS = 10
 
 _BOARDS: tuple[tuple[str, tuple[float, ...], tuple[float, ...]], ...] = (
     ("base", (0.78, -0.50, 0.75), (0.60, 0.80, 0.04)),
@@ -140,15 +140,17 @@ def _bodies(count: int, rng: np.random.Generator) -> list[tuple[Shape, Array]] |
     """Shapes and poses that keep their distance, or None if the shelf is full."""
     bodies: list[tuple[Shape, Array]] = []
     placed: list[Footprint] = []
-    for _ in range(count * _OBJECT_DRAWS):
-        if len(bodies) == count:
-            return bodies
+    misses = 0
+    while len(bodies) < count and misses < _MISSES:
         shape, pose = _body(rng)
         outline = footprint(shape, pose)
         if _within_walls(outline) and all(_apart(outline, other) for other in placed):
             bodies.append((shape, pose))
             placed.append(outline)
-    return None
+            misses = 0
+        else:
+            misses += 1
+    return bodies if len(bodies) == count else None
 
 
 def _body(rng: np.random.Generator) -> tuple[Shape, Array]:

@@ -14,8 +14,8 @@ from mamo_core.types.scene import SceneObject
 MAX_OPENING = {"pr2_right_arm": 0.0920, "panda": 0.0799}
 """Widest gap between the fingers by robot, m, as measured on the canonical arm models."""
 
-GRASPABLE_HALF_WIDTH = 0.05
-"""Wider faces are not grasped (the published scenes use up to 0.0498), m."""
+LEAST_CLEARANCE = 0.004
+"""Faces that would leave less between the open fingers are not grasped, m."""
 
 TOOL_PAST_CENTER = 0.025
 """The author's tool point lies this far past the object's centre, m."""
@@ -66,7 +66,7 @@ def default_grasps(
     return tuple(
         _grasp(target, yaw, depth, height, min(width + clearance, max_opening))
         for yaw, depth, width in _sides(target, first_yaw)
-        if width / 2.0 < GRASPABLE_HALF_WIDTH
+        if width + LEAST_CLEARANCE <= max_opening
         for height in _heights(target.shape.height)
     )
 

@@ -83,13 +83,12 @@ def _joint_data(urdf: Path) -> dict[str, _JointData]:
         if kind not in ("revolute", "continuous", "prismatic"):
             continue
         axis = joint.find("axis")
+        words = axis.get("xyz", "1 0 0") if axis is not None else "1 0 0"
         limit = joint.find("limit")
         numbers = dict(limit.attrib) if limit is not None else {}
         wide = kind == "continuous"
         found[str(joint.get("name"))] = _JointData(
-            axis=np.array(
-                [float(v) for v in (axis.get("xyz") if axis is not None else "1 0 0").split()]
-            ),  # type: ignore[union-attr]
+            axis=np.array([float(v) for v in words.split()]),
             prismatic=kind == "prismatic",
             lower=-CONTINUOUS_RANGE if wide else float(numbers.get("lower", 0.0)),
             upper=CONTINUOUS_RANGE if wide else float(numbers.get("upper", 0.0)),

@@ -45,7 +45,7 @@ class GantryKinematics(Kinematics):
         end = self._configuration(T_world_end)
         turn = float(np.angle(np.exp(1j * (end[3] - start[3]))))
         change = np.array([*(end[:3] - start[:3]), turn])
-        count = max(1, int(np.ceil(float(np.linalg.norm(change[:3])) / step)))
+        count = max(1, int(np.ceil(float(np.linalg.norm(change[:3])) / step - 1e-9)))
         fractions = np.linspace(0.0, 1.0, count + 1)
         path = start + fractions[:, None] * change
         inside = ((path >= self._lower) & (path <= self._upper)).all(axis=1)

@@ -41,9 +41,9 @@ class QuasiStaticModel(TransitionModel):
     """What it approximates: everything moves infinitely slowly, in the plane.
 
     The arm is two vertical fingers at the tool, the opening between them; the rest of it touches
-    nothing. Objects translate along contact normals and never turn, tilt, fall or slide on;
-    chains of pushed objects resist with the sum of their friction forces on the floor. Contacts
-    are those of objects that something pushed. It needs no settling.
+    nothing. Contacts have no friction: objects translate along their normals and never turn, tilt,
+    fall or slide on; chains of pushed objects resist with the sum of their friction forces on the
+    floor. Contacts are those of objects that something pushed. It needs no settling.
     Capabilities: ``exact_continuation``.
     """
 
@@ -180,6 +180,11 @@ class _Run:
     def _state(self) -> SceneState:
         return SceneState(self._joints, self._world.poses)
 
+    def _continuation(self) -> _Continuation | None:
+        if not self._options.keep:
+            return None
+        return _Continuation(self._model, frozenset(self._world.pushed))
+
     def result(self) -> RolloutResult:
         """What happened."""
         final = self._state()
@@ -195,7 +200,7 @@ class _Run:
             steps=self._steps,
             segment_states=tuple(self._segment_states),
             trace=self._recorder.trace(),
-            continuation=_Continuation(self._model, frozenset(self._world.pushed)),
+            continuation=self._continuation(),
         )
 
 

@@ -7,14 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from mamo_core.constraints.options import BoundsOptions, SpeedOptions, TiltOptions
 from mamo_core.constraints.standard import (
     BoundsConstraint,
-    BoundsOptions,
     ContactConstraint,
     SpeedConstraint,
-    SpeedOptions,
     TiltConstraint,
-    TiltOptions,
 )
 from mamo_core.interfaces.constraint import InteractionConstraint
 from mamo_core.problems.importers import thesis_workspace
@@ -34,8 +32,8 @@ class TransitionCases:
 
     ``still``: the arm stays where it is, one segment. ``push``: moves the object ``pushed`` by 2
     to 15 cm, in (x, y) direction ``direction``, and nothing else; a sweep and a retract.
-    ``crash``: the same, further, so that ``pushed`` runs into the immovable ``hit``, and that one
-    into another somewhat later: two violations at different times.
+    ``crash``: the same, further, so that ``pushed`` grazes the immovable ``hit`` and somewhat later
+    another one: two violations at different times, and the arm still arrives.
     """
 
     problem: Problem
@@ -80,9 +78,9 @@ def standard_constraints(problem: Problem) -> tuple[InteractionConstraint, ...]:
     """Contact, tilt, speed and bounds with their default limits."""
     return (
         ContactConstraint(problem),
-        TiltConstraint(problem, TiltOptions()),  # type: ignore[call-arg]
-        SpeedConstraint(problem, SpeedOptions()),  # type: ignore[call-arg]
-        BoundsConstraint(problem, BoundsOptions()),  # type: ignore[call-arg]
+        TiltConstraint(problem, TiltOptions()),
+        SpeedConstraint(problem, SpeedOptions()),
+        BoundsConstraint(problem, BoundsOptions()),
     )
 
 
@@ -112,16 +110,19 @@ def there_and_back(path: Array, step: float) -> Motion:
 
 
 def _problem(robot: str, joints: Array) -> Problem:
-    """A low-friction can, two posts in a row behind it; target and bystander off to the sides."""
+    """A can, two posts that stand 4 mm into its way on either side, others far from it.
+
+    Grazed posts break the rules but do not stop the arm, however firmly an engine fixes them.
+    """
     can = SceneObject("can", Cylinder(0.05, 0.18), Mobility.MOVABLE, 0.2, 0.3)
-    post = SceneObject("post", Box(np.array([0.06, 0.12, 0.2])), Mobility.IMMOVABLE, 0.5, 0.8)
+    post = SceneObject("post", Cylinder(0.03, 0.2), Mobility.IMMOVABLE, 0.5, 0.8)
+    later = SceneObject("later", Cylinder(0.03, 0.2), Mobility.IMMOVABLE, 0.5, 0.8)
     target = SceneObject("target", Cylinder(0.03, 0.16), Mobility.TARGET, 0.2, 0.8)
     bystander = SceneObject(
         "bystander", Box(np.array([0.08, 0.08, 0.18])), Mobility.MOVABLE, 0.2, 0.8
     )
-    buttress = SceneObject("buttress", post.shape, Mobility.IMMOVABLE, 0.5, 0.8)
-    objects = (can, post, buttress, target, bystander)
-    places = ((0.66, -0.45), (0.86, -0.45), (0.96, -0.45), (0.66, -0.80), (0.90, -0.20))
+    objects = (can, post, later, target, bystander)
+    places = ((0.66, -0.45), (0.80, -0.526), (0.86, -0.374), (0.66, -0.80), (0.95, -0.20))
     floor = thesis_workspace().floor
     poses = [
         make_pose([x, y, floor + item.shape.height / 2.0])

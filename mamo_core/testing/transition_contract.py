@@ -162,6 +162,7 @@ class TransitionModelContract:
         assert early.violations[0] == full.violations[0]
         assert {v.time for v in early.violations} == {early.violations[0].time}
         assert early.duration <= early.violations[0].time + 0.1, "the rollout went on"
+        assert not full.stalled, "the crash stalls the arm: the case cannot tell who stopped"
         assert full.duration >= cases.crash.duration - 1e-6, "asked not to stop, but it did"
 
     def test_a_batch_is_a_loop(self, model: TransitionModel, cases: TransitionCases) -> None:
@@ -223,7 +224,8 @@ class TransitionModelContract:
         assert_same(result, model.rollout(cases.problem.initial, cases.push))
 
     def test_continuation(self, model: TransitionModel, cases: TransitionCases) -> None:
-        first = model.rollout(cases.problem.initial, cases.push)
+        keeping = RolloutOptions(keep=True)
+        first = model.rollout(cases.problem.initial, cases.push, options=keeping)
         if "exact_continuation" not in self.capabilities:
             with pytest.raises(ValueError, match="continu"):
                 model.rollout(first.final_state, cases.push, continue_from=object())

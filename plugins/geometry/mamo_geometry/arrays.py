@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from mamo_core.interfaces.collision_checker import HeldObject
 from mamo_core.robots.kinematics import finger_transforms
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array, Box, IntArray, Shape, matrix_from_pose
@@ -106,10 +106,8 @@ def chain_arrays(arm: ArmModel, T_world_base: Array) -> ChainArrays:
     )
 
 
-def sphere_arrays(
-    arm: ArmModel, opening: float, held: HeldObject | None, max_tilt: float
-) -> SphereArrays:
-    """The arm's spheres with the fingers at ``opening`` (m) and perhaps a held object."""
+def sphere_arrays(arm: ArmModel, opening: float) -> SphereArrays:
+    """The arm's spheres with the fingers at ``opening`` (m)."""
     fingers = finger_transforms(arm.links, arm.gripper.drive(opening))
     groups: list[list[Array]] = [[] for _ in range(arm.dof)]
     for number, link in enumerate(arm.links):
@@ -118,39 +116,50 @@ def sphere_arrays(
         else:
             carrier = arm.links[arm.tool_link].coordinate
             groups[carrier].append(_moved(link.spheres, fingers[number]))
-    if held is not None:
-        cover = shape_spheres(held.shape, _HELD_CELL)
-        groups[-1].append(_moved(cover, arm.T_link_tool @ held.T_tool_object))
-    return _clustered(groups, float(np.cos(max_tilt)))
+    members = [_split(np.vstack(group)) for group in groups]
+    return _packed(members, -1.0)
+
+
+def with_held(
+    bare: SphereArrays, cover: list[Array], T_link_object: Array, max_tilt: float
+) -> SphereArrays:
+    """``bare`` with a held object, whose clusters are ``cover``, at ``T_link_object`` (4, 4).
+
+    ``max_tilt``: largest angle (rad) between the tool's z axis and up while it holds.
+    """
+    starts = bare.cluster_start
+    clusters = [bare.spheres[a:b] for a, b in pairwise(starts)]
+    members = [clusters[a:b] for a, b in pairwise(bare.link_start)]
+    members[-1] = [*members[-1], *(_moved(part, T_link_object) for part in cover)]
+    return _packed(members, float(np.cos(max_tilt)))
+
+
+def held_cover(shape: Shape) -> list[Array]:
+    """Clusters of spheres covering a held object, in its own frame."""
+    return _split(shape_spheres(shape, _HELD_CELL))
 
 
 def _moved(spheres: Array, T: Array) -> Array:
     return np.column_stack([spheres[:, :3] @ T[:3, :3].T + T[:3, 3], spheres[:, 3]])
 
 
-def _clustered(groups: list[list[Array]], min_tool_up: float) -> SphereArrays:
-    spheres, clusters, links = [], [], []
-    cluster_start, link_start = [0], [0]
-    for group in groups:
-        members = np.vstack([*group, np.zeros((0, 4))])
-        links.append(_bounding(members) if len(members) else np.zeros(4))
-        for cluster in _split(members) if len(members) else []:
-            spheres.append(cluster)
-            clusters.append(_bounding(cluster))
-            cluster_start.append(cluster_start[-1] + len(cluster))
-        link_start.append(len(clusters))
+def _packed(members: list[list[Array]], min_tool_up: float) -> SphereArrays:
+    """Clusters by link as flat arrays."""
+    clusters = [cluster for group in members for cluster in group]
     return SphereArrays(
-        np.vstack(spheres),
-        np.array(clusters),
-        np.array(cluster_start, dtype=np.int64),
-        np.array(links),
-        np.array(link_start, dtype=np.int64),
+        np.vstack(clusters),
+        np.array([_bounding(cluster) for cluster in clusters]),
+        np.cumsum([0, *(len(cluster) for cluster in clusters)], dtype=np.int64),
+        np.array([_bounding(np.vstack(group)) if group else np.zeros(4) for group in members]),
+        np.cumsum([0, *(len(group) for group in members)], dtype=np.int64),
         min_tool_up,
     )
 
 
 def _split(spheres: Array) -> list[Array]:
     """Halve along the longest side until the clusters are small."""
+    if not len(spheres):
+        return []
     if len(spheres) <= _CLUSTER_SIZE:
         return [spheres]
     axis = int(np.argmax(np.ptp(spheres[:, :3], axis=0)))

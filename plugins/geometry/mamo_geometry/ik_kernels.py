@@ -12,6 +12,7 @@ from mamo_geometry.kernels import link_frames
 _POSITION_TOLERANCE = 1e-5
 _ROTATION_TOLERANCE = 1e-4
 _ITERATIONS = 60
+_PATIENCE = 8
 _DAMPING = 1e-4
 _LONGEST_STEP = 0.3
 _JUMP = 0.25
@@ -118,13 +119,19 @@ def descend(chain: ChainArrays, q: Array, goal: Array) -> bool:
     R, p, T = np.empty((dof, 3, 3)), np.empty((dof, 3)), np.empty((3, 4))
     J, M, W = np.empty((6, dof)), np.empty((6, 6)), np.empty((3, 3))
     e, w = np.empty(6), np.empty(3)
-    for _ in range(_ITERATIONS):
+    before = np.inf
+    for n in range(_ITERATIONS):
         tool_frame(chain, q, R, p, T)
         _tool_error(T, goal, W, w, e)
         off = np.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2)
         turned = np.sqrt(e[3] ** 2 + e[4] ** 2 + e[5] ** 2)
         if off < _POSITION_TOLERANCE and turned < _ROTATION_TOLERANCE:
             return True
+        if n % _PATIENCE == _PATIENCE - 1:
+            # Stuck at a limit or in a local minimum: another seed is the better bet.
+            if off + turned > 0.6 * before:
+                return False
+            before = off + turned
         fill_jacobian(chain, R, p, T, J)
         damping = _DAMPING + 1e-2 * min(off + turned, 1.0) ** 2
         for i in range(6):

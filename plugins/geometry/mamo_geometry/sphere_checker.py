@@ -16,7 +16,9 @@ from mamo_geometry.arrays import (
     SphereArrays,
     WorldArrays,
     chain_arrays,
+    held_cover,
     sphere_arrays,
+    with_held,
     world_arrays,
 )
 from mamo_geometry.kernels import edges_batch, free_batch, sweep_heights
@@ -43,6 +45,7 @@ class SphereChecker(CollisionChecker):
         self._scene, self._arm, self._options = scene, arm, options
         self._chain = chain_arrays(arm, matrix_from_pose(scene.T_world_base))
         self._bare: dict[float, SphereArrays] = {}
+        self._covers: dict[str, list[Array]] = {}
 
     def world(
         self,
@@ -82,12 +85,16 @@ class SphereChecker(CollisionChecker):
         return SweptRegion(lower, cell, np.full(tuple(shape), np.inf), workspace.floor)
 
     def _spheres(self, opening: float, held: HeldObject | None) -> SphereArrays:
-        if held is not None:
-            tilt = float(np.radians(self._options.max_held_tilt_deg))
-            return sphere_arrays(self._arm, opening, held, tilt)
         if opening not in self._bare:
-            self._bare[opening] = sphere_arrays(self._arm, opening, None, np.pi)
-        return self._bare[opening]
+            self._bare[opening] = sphere_arrays(self._arm, opening)
+        bare = self._bare[opening]
+        if held is None:
+            return bare
+        if held.name not in self._covers:
+            self._covers[held.name] = held_cover(held.shape)
+        T_link_object = self._arm.T_link_tool @ held.T_tool_object
+        tilt = float(np.radians(self._options.max_held_tilt_deg))
+        return with_held(bare, self._covers[held.name], T_link_object, tilt)
 
 
 def _rows(configurations: Array) -> Array:

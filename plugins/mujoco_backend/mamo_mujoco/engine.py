@@ -18,6 +18,7 @@ from mamo_core.types.motion import Motion, MotionSegment
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import NO_CONTACTS, RolloutResult, StepObservation, Trace
 from mamo_core.types.scene import SceneState, displacements
+from mamo_mujoco.kernels import at_rest, contact_pairs, largest_gap, observe
 from mamo_mujoco.world import WorldIndex
 
 MOVED = 0.01
@@ -52,7 +53,10 @@ class Engine:
         self._constraints, self._lead = constraints, lead
         self._data = mujoco.MjData(model)
         self._step = float(model.opt.timestep)
-        self._velocities = np.zeros((len(problem.scene.objects), 3))
+        # Views of the engine's memory, which never moves: asking for them costs more than a step.
+        data = self._data
+        self._qpos, self._qvel, self._ctrl = data.qpos, data.qvel, data.ctrl
+        self._xpos, self._xmat = data.xpos, data.xmat
 
     def run(
         self,
@@ -112,35 +116,36 @@ class Engine:
     def _write(self, state: SceneState, opening: float) -> None:
         data, index = self._data, self._index
         mujoco.mj_resetData(self._model, data)
-        data.qpos[index.arm_qpos] = state.joint_positions
-        data.qpos[index.finger_qpos] = self._arm.gripper.drive(opening)
+        self._qpos[index.arm_qpos] = state.joint_positions
+        self._qpos[index.finger_qpos] = self._arm.gripper.drive(opening)
         for number, address in zip(index.free, index.free_qpos, strict=True):
-            data.qpos[address : address + 7] = state.object_poses[number]
-        self._command(state.joint_positions, opening)
+            self._qpos[address : address + 7] = state.object_poses[number]
+        self._command(state.joint_positions, self._arm.gripper.drive(opening))
         mujoco.mj_forward(self._model, data)
 
-    def _command(self, target: Array, opening: float) -> None:
-        self._data.ctrl[: target.size] = target
-        self._data.ctrl[target.size :] = self._arm.gripper.drive(opening)
+    def _command(self, target: Array, drive: float) -> None:
+        self._ctrl[: target.size] = target
+        self._ctrl[target.size :] = drive
 
     def _segment(self, segment: MotionSegment) -> bool:
         """Execute one segment; False if the rollout ends here."""
         self._hold(segment.held)
         trajectory = segment.trajectory
         count = int(np.ceil(trajectory.duration / self._step - 1e-9))
-        times = np.arange(1, count + 1) * self._step
+        times: Array = np.arange(1, count + 1) * self._step
         positions = trajectory.at(times)
         before = np.vstack([trajectory.positions[:1], positions[:-1]])
         targets = positions + self._lead * (positions - before) / self._step
-        openings = np.interp(times, [0.0, max(times[-1], 1e-9)], [self._opening, segment.opening])
+        openings = np.linspace(self._opening, segment.opening, count + 1)[1:]
+        drives = [self._arm.gripper.drive(opening) for opening in openings]
         for k in range(count):
-            self._command(targets[k], openings[k])
-            self._advance(positions[k], float(openings[k]))
+            self._command(targets[k], drives[k])
+            self._advance(positions[k], openings[k])
             if self._stop:
                 return False
         self._opening = segment.opening
         end = trajectory.positions[-1]
-        self._command(end, segment.opening)
+        self._command(end, self._arm.gripper.drive(segment.opening))
         for _ in range(_HOLD_STEPS):
             if self._error(end) < _ARRIVED:
                 break
@@ -172,35 +177,25 @@ class Engine:
         if self._late >= _LAG_STEPS:
             self._stalled = self._stop = True
         if self._options.trace_step is not None and self._time >= self._next_record - 1e-9:
-            joints = self._data.qpos[self._index.arm_qpos]
+            joints = self._qpos[self._index.arm_qpos]
             self._records.append((self._time, joints, opening, self._poses()))
             self._next_record = self._time + self._options.trace_step
 
     def _observe(self) -> StepObservation:
         data, index = self._data, self._index
-        for number, address in zip(index.free, index.free_qvel, strict=True):
-            self._velocities[number] = data.qvel[address : address + 3]
+        positions, axes, velocities = observe(
+            self._xpos, self._xmat, self._qvel, index.bodies, index.free, index.free_qvel
+        )
         contacts = NO_CONTACTS
         if data.ncon:
-            contacts = np.sort(index.entity[data.contact.geom], axis=1)
-            self._touched[contacts[:, 0], contacts[:, 1]] = True
-        return StepObservation(
-            time=self._time,
-            positions=data.xpos[index.bodies],
-            z_axes=data.xmat[index.bodies, 2::3],
-            velocities=self._velocities,
-            contacts=contacts,
-            held=self._held,
-        )
+            contacts = contact_pairs(data.contact.geom, index.entity, self._touched)
+        return StepObservation(self._time, positions, axes, velocities, contacts, self._held)
 
     def _error(self, reference: Array) -> float:
-        return float(np.abs(self._data.qpos[self._index.arm_qpos] - reference).max())
+        return largest_gap(self._qpos, self._index.arm_qpos, reference)
 
     def _at_rest(self) -> bool:
-        index, qvel = self._index, self._data.qvel
-        speeds = qvel[index.free_qvel[:, None] + np.arange(6)]
-        quiet = np.abs(speeds[:, :3]).max(initial=0.0) < _REST_SPEED
-        return bool(quiet and np.abs(speeds[:, 3:]).max(initial=0.0) < _REST_SPIN)
+        return at_rest(self._qvel, self._index.free_qvel, _REST_SPEED, _REST_SPIN)
 
     def _hold(self, name: str | None) -> None:
         """Weld the object to the tool where it is now, or let go."""
@@ -225,11 +220,11 @@ class Engine:
         poses = np.array(self._problem.initial.object_poses)
         index = self._index
         for number, address in zip(index.free, index.free_qpos, strict=True):
-            poses[number] = self._data.qpos[address : address + 7]
+            poses[number] = self._qpos[address : address + 7]
         return poses
 
     def _state(self) -> SceneState:
-        return SceneState(self._data.qpos[self._index.arm_qpos], self._poses())
+        return SceneState(self._qpos[self._index.arm_qpos], self._poses())
 
     def _contacts(self) -> frozenset[tuple[str, str]]:
         names = self._problem.scene.entities

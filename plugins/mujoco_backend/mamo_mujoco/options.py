@@ -13,8 +13,11 @@ class MuJoCoOptions(Options):
     time_step: float = Field(0.004, gt=0.0, le=0.01, description="simulation step, s")
     stiffness: float = Field(4000.0, gt=0.0, description="position gain of the arm, N m/rad")
     damping: float = Field(200.0, gt=0.0, description="velocity gain of the arm, N m s/rad")
-    effort_scale: float = Field(
-        4.0, gt=0.0, description="torque limits as a multiple of the robot's own"
+    torque_limit: float = Field(
+        400.0,
+        gt=0.0,
+        description="limit of every servo, N m; a saturated stiff servo chatters, so it is wide "
+        "and an arm that cannot follow is reported as stalled",
     )
     sleep: bool = Field(True, description="let resting objects sleep: twice as fast")
     batch_threads: int = Field(2, ge=1, description="threads of rollout_batch")

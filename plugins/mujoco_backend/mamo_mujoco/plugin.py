@@ -30,3 +30,10 @@ def mamo_backends() -> Iterable[Component]:
             provides=frozenset({"exact_continuation", "batch", "parameter_overrides"}),
         ),
     ]
+
+
+def warm_up() -> None:
+    """Compile the kernels (or read them from numba's cache)."""
+    from mamo_mujoco.kernels import warm_up as compile_all
+
+    compile_all()

@@ -44,6 +44,7 @@ class GreedyOptions(Options):
     regions: int = Field(
         4, ge=1, description="retrievals drawn for the NGR; the least occupied one is taken"
     )
+    grasp_tries: int = Field(3, ge=1, description="retrievals tried at one state")
     rounds: int = Field(6, ge=1, description="MAPF calls at one state without a valid push")
     agnostic: int = Field(
         8, ge=0, description="goal-agnostic pushes tried per state when guided ones fail"

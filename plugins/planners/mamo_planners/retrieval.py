@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,7 @@ _TOOL_SPEED_STEP = 0.1
 class _Candidate:
     """A grasp the arm can reach past fixtures and immovables: ``reach`` and ``lift`` (k, dof)."""
 
+    number: int
     grasp: Grasp
     reach: Array
     lift: Array
@@ -59,12 +61,18 @@ class GraspAndExtract(RetrievalPlanner):
         self._candidates = self._find_candidates()
 
     def plan(
-        self, state: SceneState, rng: np.random.Generator, *, ignore_movables: bool = False
+        self,
+        state: SceneState,
+        rng: np.random.Generator,
+        *,
+        ignore_movables: bool = False,
+        avoid: Collection[int] = (),
     ) -> Retrieval:
         causes = Counter(self._static_causes)
         ignored = self._movables if ignore_movables else []
-        usable = self._unblocked(state, ignored)
-        causes["grasp_blocked"] += len(self._candidates) - len(usable)
+        allowed = [c for c in self._candidates if c.number not in avoid]
+        usable = allowed if ignore_movables else self._unblocked(state, allowed)
+        causes["grasp_blocked"] += len(allowed) - len(usable)
         order = rng.permutation(len(usable))
         pending = [usable[i] for i in order]
         for _ in range(self._options.tries):
@@ -72,9 +80,9 @@ class GraspAndExtract(RetrievalPlanner):
                 break
             motion, used = self._try(state, ignored, pending, rng, causes)
             if motion is not None:
-                return Retrieval(motion)
+                return Retrieval(motion, used[0].number)
             pending = [c for c in pending if c not in used]
-        return Retrieval(None, causes)
+        return Retrieval(None, causes=+causes)
 
     def swept_region(self, state: SceneState, motion: Motion) -> SweptRegion:
         region: SweptRegion | None = None
@@ -106,7 +114,7 @@ class GraspAndExtract(RetrievalPlanner):
         rng = np.random.default_rng(_CANDIDATE_SEED)
         poses = self._problem.initial.object_poses
         found = []
-        for grasp in self._problem.grasps:
+        for number, grasp in enumerate(self._problem.grasps):
             if grasp.opening > self._arm.gripper.max_opening:
                 self._static_causes["gripper_too_small"] += 1
                 continue
@@ -118,7 +126,7 @@ class GraspAndExtract(RetrievalPlanner):
             if not len(solutions):
                 self._static_causes["grasp_no_ik"] += 1
             for q in solutions:
-                candidate = self._candidate(grasp, q, poses)
+                candidate = self._candidate(number, grasp, q, poses)
                 if candidate is not None:
                     found.append(candidate)
         return found
@@ -133,7 +141,7 @@ class GraspAndExtract(RetrievalPlanner):
         length += float(np.linalg.norm(self._arm.T_link_tool[:3, 3]))
         return bool(np.linalg.norm(T_grasp[:3, 3] - root) <= length)
 
-    def _candidate(self, grasp: Grasp, q: Array, poses: Array) -> _Candidate | None:
+    def _candidate(self, number: int, grasp: Grasp, q: Array, poses: Array) -> _Candidate | None:
         world = self._collision.world(
             poses, opening=grasp.opening, ignore=[self._target.name, *self._movables]
         )
@@ -155,7 +163,7 @@ class GraspAndExtract(RetrievalPlanner):
         if lift is None or not carried.free(lift[-1])[0]:
             self._static_causes["lift_blocked"] += 1
             return None
-        return _Candidate(grasp, back.path[::-1], lift, held)
+        return _Candidate(number, grasp, back.path[::-1], lift, held)
 
     def _lift_path(self, q: Array, T: Array) -> Array | None:
         """Straight up by as much as the ceiling leaves, at most the option's lift."""
@@ -170,12 +178,10 @@ class GraspAndExtract(RetrievalPlanner):
                 return line.path
         return None
 
-    def _unblocked(self, state: SceneState, ignored: list[str]) -> list[_Candidate]:
+    def _unblocked(self, state: SceneState, candidates: list[_Candidate]) -> list[_Candidate]:
         """Candidates whose reach and lifted pose are free among the objects of ``state``."""
-        if ignored:
-            return self._candidates
         usable = []
-        for candidate in self._candidates:
+        for candidate in candidates:
             world = self._collision.world(
                 state.object_poses, opening=candidate.grasp.opening, ignore=[self._target.name]
             )
@@ -213,7 +219,7 @@ class GraspAndExtract(RetrievalPlanner):
         if carry.path is None:
             causes[f"carry_{carry.status}"] += 1
             return None, [chosen]
-        return self._motion(chosen, reach.path, carry.path), []
+        return self._motion(chosen, reach.path, carry.path), [chosen]
 
     def _motion(self, chosen: _Candidate, transit: Array, carry: Array) -> Motion:
         options, opening, name = self._options, chosen.grasp.opening, self._target.name
@@ -263,4 +269,3 @@ class GraspAndExtract(RetrievalPlanner):
             tool_positions=np.array([self._kinematics.forward(q)[:3, 3] for q in path]),
             tool_speed=tool_speed,
         )
-

@@ -66,9 +66,7 @@ def scene_problem(scene: dict[str, Any], **settings: Any) -> MAPFProblem:
 
     fixed = [*scene["immovables"], scene["ooi"]]
     return MAPFProblem(
-        agents=tuple(
-            MAPFAgent(str(b["id"]), shape_of(b), pose(b)) for b in scene["movables"]
-        ),
+        agents=tuple(MAPFAgent(str(b["id"]), shape_of(b), pose(b)) for b in scene["movables"]),
         obstacles=tuple(MAPFObstacle(str(b["id"]), shape_of(b), pose(b)) for b in fixed),
         region=arm_region(scene),
         transit_lower=np.array([0.43, -0.90]),

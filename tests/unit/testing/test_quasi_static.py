@@ -113,9 +113,9 @@ def test_the_tool_passes_above_low_objects() -> None:
 
 
 def fetch(problem: Problem) -> Motion:
-    """Straddle the target, hold it, carry it 20 cm towards -y."""
+    """Straddle the target, hold it, carry it 20 cm towards +x."""
     x, y = problem.initial.object_poses[-1, :2]
-    stations = [[0.0, y, 0.05, 0.0], [x, y, 0.05, 0.0], [x, y - 0.2, 0.05, 0.0]]
+    stations = [[0.0, y, 0.05, 0.0], [x, y, 0.05, 0.0], [x + 0.2, y, 0.05, 0.0]]
     times = np.array([0.0, 2.0])
     reach = Trajectory(times, np.array(stations[:2]))
     carry = Trajectory(times, np.array(stations[1:]))
@@ -132,13 +132,13 @@ def test_a_held_object_moves_with_the_tool() -> None:
     problem = row_of_boxes(0)
     result = model(problem).rollout(problem.initial, fetch(problem))
     assert result.valid, [str(v) for v in result.violations]
-    np.testing.assert_allclose(result.final_state.object_poses[-1, :2], [0.1, 0.2], atol=1e-9)
+    np.testing.assert_allclose(result.final_state.object_poses[-1, :2], [0.3, 0.4], atol=1e-9)
 
 
 def test_a_held_object_must_not_touch_others() -> None:
     problem = row_of_boxes(1)
     poses = np.array(problem.initial.object_poses)
-    poses[0, :2] = [0.1, 0.2]
+    poses[0, :2] = [0.2, 0.4]
     result = model(problem).rollout(
         SceneState(problem.initial.joint_positions, poses), fetch(problem)
     )
@@ -147,19 +147,19 @@ def test_a_held_object_must_not_touch_others() -> None:
     ]
 
 
-def test_closed_fingers_would_push_the_target() -> None:
+def test_closed_fingers_push_the_target_and_that_is_a_violation() -> None:
     problem = row_of_boxes(0)
-    closed = push_to(0.0, 0.39)
-    result = model(problem).rollout(problem.initial, closed, options=RolloutOptions())
-    assert {("robot", "t")} == {(v.subject, v.other) for v in result.violations} or (
-        result.violations == ()
-    )
+    result = model(problem).rollout(problem.initial, push_to(0.1, 0.4))
+    assert [(v.constraint, {v.subject, v.other}) for v in result.violations] == [
+        ("contact", {"robot", "t"})
+    ]
+    assert result.duration < push_to(0.1, 0.4).duration
 
 
 def test_foreign_continuations_are_refused() -> None:
     problem = row_of_boxes(1)
     one, two = model(problem), model(problem)
-    result = one.rollout(problem.initial, push_to(0.2))
+    result = one.rollout(problem.initial, push_to(0.2), options=RolloutOptions(keep=True))
     for wrong in (object(), result.continuation):
         with pytest.raises(ValueError, match="not the continuation of a rollout of this model"):
             two.rollout(result.final_state, push_to(0.2), continue_from=wrong)
@@ -220,6 +220,8 @@ class TestGantry:
         line = self.kinematics.follow_line(np.array([1.9, 0, 1, 0]), tool_matrix([2.1, 0, 1], 0.0))
         assert line.fraction == pytest.approx(0.5)
         assert line.path[-1, 0] == pytest.approx(2.0)
-        whole = self.kinematics.follow_line(np.zeros(4) + [0, 0, 1, 0], tool_matrix([1, 0, 1], 1.0))
+        whole = self.kinematics.follow_line(
+            np.array([0.0, 0.0, 1.0, 0.0]), tool_matrix([1, 0, 1], 1.0)
+        )
         assert whole.fraction == 1.0
         np.testing.assert_allclose(whole.path[-1], [1, 0, 1, 1])

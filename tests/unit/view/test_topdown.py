@@ -28,7 +28,7 @@ def plan_for(problem: Problem, *, region: bool) -> Plan:
     start = problem.initial.object_poses[place, :2]
     name = problem.scene.objects[place].name
     actions = (
-        RearrangementAction("push", name, motion, np.array([start, start + [0.0, 0.1]])),
+        RearrangementAction("push", name, motion, np.array([start, start + np.array([0.0, 0.1])])),
         RearrangementAction("push", name, motion, np.array([start])),
     )
     lowest = np.full((20, 20), np.inf)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from mamo_planners.mapf.kernel import kernel
 
 from mamo_planners.mapf.constraints import FOREVER
-from mamo_planners.mapf.distance import Int64Array
+from mamo_planners.mapf.distance import BoolArray, Int64Array
+from mamo_planners.mapf.kernel import kernel
 from mamo_planners.mapf.tables import APART, CLOSEST, Int16Array, Int32Array, PairTables, overlap
 
 TOO_CLOSE, MEET_AGAIN, PARTED = 0, 1, 2
@@ -96,7 +96,6 @@ def _pair_conflict(
     return found[DEPTH] >= 0
 
 
-@kernel
 def find_conflicts(
     paths: Int32Array,
     lengths: Int64Array,
@@ -108,12 +107,25 @@ def find_conflicts(
     ``paths`` (n, T, 2) in steps; ``lengths`` (n,); ``together`` (n, n): time until which a pair
     that starts too close is meant not to part, 0 where nothing is meant.
     """
-    low, high, first, touching = tables
-    n = lengths.shape[0]
-    found = np.empty((n * (n - 1) // 2 + 1, 5), np.int64)
+    n = len(lengths)
+    found = np.empty((n * (n - 1) // 2 + 1, 5), dtype=np.int64)
+    return found[: _find(paths, lengths, *tables, together, found)]
+
+
+@kernel
+def _find(
+    paths: Int32Array,
+    lengths: Int64Array,
+    low: Int16Array,
+    high: Int16Array,
+    first: Int32Array,
+    touching: BoolArray,
+    together: Int32Array,
+    found: Int64Array,
+) -> int:
     count = 0
-    for i in range(n):
-        for j in range(i + 1, n):
+    for i in range(lengths.shape[0]):
+        for j in range(i + 1, lengths.shape[0]):
             if lengths[i] == 1 and lengths[j] == 1:
                 continue
             count += _pair_conflict(
@@ -128,7 +140,7 @@ def find_conflicts(
                 together[i, j],
                 found[count],
             )
-    return found[:count].copy()
+    return count
 
 
 @kernel

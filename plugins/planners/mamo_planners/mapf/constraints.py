@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from mamo_planners.mapf.kernel import kernel
 
 from mamo_planners.mapf.distance import BoolArray, Int64Array
+from mamo_planners.mapf.kernel import kernel
 from mamo_planners.mapf.tables import Int32Array, PairTables
 
 RECT, REGION, NOTPARKED = 0, 1, 2

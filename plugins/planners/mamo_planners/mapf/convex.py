@@ -8,14 +8,17 @@ one interval, which has a closed form.
 from __future__ import annotations
 
 import numpy as np
-from mamo_planners.mapf.kernel import kernel
 
 from mamo_core.types.geometry import Array
+from mamo_planners.mapf.kernel import kernel
 
 
 @kernel
-def _turn(a: Array, b: Array, c: Array) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+def _turns_left(chain: Array, size: int, x: float, y: float) -> bool:
+    """Whether (x, y) lies left of the last edge of the first ``size`` points of the chain."""
+    ax, ay = chain[size - 2, 0], chain[size - 2, 1]
+    bx, by = chain[size - 1, 0], chain[size - 1, 1]
+    return (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 1e-15
 
 
 @kernel
@@ -26,25 +29,25 @@ def hull(points: Array, count: int) -> Array:
         k = i
         x, y = points[i, 0], points[i, 1]
         while k > 0 and (order[k - 1, 0] > x or (order[k - 1, 0] == x and order[k - 1, 1] > y)):
-            order[k] = order[k - 1]
+            order[k, 0], order[k, 1] = order[k - 1, 0], order[k - 1, 1]
             k -= 1
         order[k, 0], order[k, 1] = x, y
     chain = np.empty((2 * count + 2, 2))
     size = 0
     for i in range(count):
-        while size >= 2 and _turn(chain[size - 2], chain[size - 1], order[i]) <= 1e-15:
+        while size >= 2 and not _turns_left(chain, size, order[i, 0], order[i, 1]):
             size -= 1
-        chain[size] = order[i]
+        chain[size, 0], chain[size, 1] = order[i, 0], order[i, 1]
         size += 1
     lower = size + 1
     for i in range(count - 2, -1, -1):
-        while size >= lower and _turn(chain[size - 2], chain[size - 1], order[i]) <= 1e-15:
+        while size >= lower and not _turns_left(chain, size, order[i, 0], order[i, 1]):
             size -= 1
-        chain[size] = order[i]
+        chain[size, 0], chain[size, 1] = order[i, 0], order[i, 1]
         size += 1
     if size > 1:
         size -= 1  # the first point closed the loop
-    return chain[:size].copy()
+    return chain[:size]
 
 
 @kernel
@@ -53,7 +56,8 @@ def difference(first: Array, n_first: int, second: Array, n_second: int) -> Arra
     points = np.empty((n_first * n_second, 2))
     for a in range(n_first):
         for b in range(n_second):
-            points[a * n_second + b] = second[b] - first[a]
+            points[a * n_second + b, 0] = second[b, 0] - first[a, 0]
+            points[a * n_second + b, 1] = second[b, 1] - first[a, 1]
     return hull(points, n_first * n_second)
 
 
@@ -89,9 +93,9 @@ def row_intervals(
     if reach < 0.0:
         _inset_rows(polygon, reach, x0, step, low, high)
         return
-    low[:] = np.inf
-    high[:] = -np.inf
     n, rows = polygon.shape[0], low.shape[0]
+    for i in range(rows):
+        low[i], high[i] = np.inf, -np.inf
     for k in range(n):
         ax, ay = polygon[k, 0], polygon[k, 1]
         begin = max(int(np.ceil((ax - reach - x0) / step)), 0)
@@ -117,11 +121,9 @@ def row_intervals(
 def _inset_rows(
     polygon: Array, reach: float, x0: float, step: float, low: Array, high: Array
 ) -> None:
-    n = polygon.shape[0]
-    low[:] = -np.inf
-    high[:] = np.inf
-    if n < 3:
-        low[:] = np.inf
+    n = polygon.shape[0]  # a polygon without area has no inside
+    for i in range(low.shape[0]):
+        low[i], high[i] = (-np.inf if n >= 3 else np.inf), np.inf
     for k in range(n):
         ax, ay = polygon[k, 0], polygon[k, 1]
         ex, ey = polygon[(k + 1) % n, 0] - ax, polygon[(k + 1) % n, 1] - ay

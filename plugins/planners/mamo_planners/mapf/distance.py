@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from mamo_planners.mapf.kernel import kernel
 
 from mamo_planners.mapf.heap import pop_key, push_key
+from mamo_planners.mapf.kernel import kernel
 
 Int64Array = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
@@ -17,78 +17,93 @@ FAR = np.int64(1 << 60)
 _CELL_BITS = 24
 
 
-@kernel
 def uniform_distance(free: BoolArray, goal: Int64Array, unit: int) -> Int64Array:
     """Cost (nx, ny) to the cheapest goal where each step costs ``unit``.
 
-    ``goal`` (nx, ny): cost of ending at a cell, ``FAR`` where that is not allowed. Steps cost the
-    same, so a queue is sorted by itself; goals of different costs join it from a sorted list.
+    ``goal`` (nx, ny): cost of ending at a cell, ``FAR`` where that is not allowed.
     """
-    nx, ny = free.shape
-    cost = np.full(nx * ny, FAR)
-    sources = np.flatnonzero(goal.ravel() < FAR)
+    sources = np.flatnonzero(goal < FAR)
     values = goal.ravel()[sources]
-    if values.size > 0 and values.max() > values.min():
-        sources = sources[np.argsort(values, kind="mergesort")]
-    queue = np.empty(nx * ny, np.int64)
-    head, tail, source = 0, 0, 0
-    flat_goal = goal.ravel()
-    flat_free = free.ravel()
-    while head < tail or source < sources.size:
-        take_source = head == tail or (
-            source < sources.size and flat_goal[sources[source]] <= cost[queue[head]]
-        )
-        if take_source:
-            cell = sources[source]
-            source += 1
-            if cost[cell] <= flat_goal[cell]:
-                continue
-            cost[cell] = flat_goal[cell]
-        else:
-            cell = queue[head]
-            head += 1
-        following = cost[cell] + unit
-        x, y = cell // ny, cell % ny
-        for move in range(4):
-            ox = x + (move == 0) - (move == 1)
-            oy = y + (move == 2) - (move == 3)
-            if ox < 0 or oy < 0 or ox >= nx or oy >= ny:
-                continue
-            other = ox * ny + oy
-            # A source not taken yet is worth its own cost: never queue it above that.
-            if flat_free[other] and following < min(cost[other], flat_goal[other]):
-                cost[other] = following
-                queue[tail] = other
-                tail += 1
-    return cost.reshape(nx, ny)
+    if len(values) > 0 and values.max() > values.min():
+        sources = sources[np.argsort(values, kind="stable")]
+    cost = np.full(goal.shape, FAR)
+    queue = np.empty(goal.size, dtype=np.int64)
+    _spread(free, goal, sources, unit, cost, queue)
+    return cost
 
 
 @kernel
-def weighted_distance(free: BoolArray, goal: Int64Array, step: Int64Array) -> Int64Array:
-    """As ``uniform_distance``, where arriving at a cell costs ``step`` (nx, ny)."""
+def _spread(
+    free: BoolArray,
+    goal: Int64Array,
+    sources: Int64Array,
+    unit: int,
+    cost: Int64Array,
+    queue: Int64Array,
+) -> None:
+    """Fills ``cost``: steps cost the same, so a queue is sorted by itself.
+
+    Goals of different costs join it from the list of ``sources``, cheapest first.
+    """
     nx, ny = free.shape
-    cost = goal.copy().ravel()
-    heap = np.empty(8 * nx * ny + 8, np.int64)
-    size = 0
-    flat_step = step.ravel()
-    flat_free = free.ravel()
-    for cell in range(nx * ny):
-        if cost[cell] < FAR:
-            size = push_key(heap, size, (cost[cell] << _CELL_BITS) | cell)
-    while size > 0:
-        key, size = pop_key(heap, size)
-        cell = key & ((1 << _CELL_BITS) - 1)
-        if key >> _CELL_BITS > cost[cell]:
-            continue
-        following = cost[cell] + flat_step[cell]
-        x, y = cell // ny, cell % ny
+    head, tail, source = 0, 0, 0
+    while head < tail or source < sources.size:
+        take_source = head == tail
+        if source < sources.size:
+            cell = sources[source]
+            x, y = cell // ny, cell % ny
+            if not take_source:
+                other = queue[head]
+                take_source = goal[x, y] <= cost[other // ny, other % ny]
+        if take_source:
+            source += 1
+            if cost[x, y] <= goal[x, y]:
+                continue
+            cost[x, y] = goal[x, y]
+        else:
+            cell = queue[head]
+            x, y = cell // ny, cell % ny
+            head += 1
+        following = cost[x, y] + unit
         for move in range(4):
             ox = x + (move == 0) - (move == 1)
             oy = y + (move == 2) - (move == 3)
-            if ox < 0 or oy < 0 or ox >= nx or oy >= ny:
+            if ox < 0 or oy < 0 or ox >= nx or oy >= ny or not free[ox, oy]:
                 continue
-            other = ox * ny + oy
-            if flat_free[other] and following < cost[other]:
-                cost[other] = following
-                size = push_key(heap, size, (following << _CELL_BITS) | other)
-    return cost.reshape(nx, ny)
+            # A source not taken yet is worth its own cost: never queue it above that.
+            if following < min(cost[ox, oy], goal[ox, oy]):
+                cost[ox, oy] = following
+                queue[tail] = ox * ny + oy
+                tail += 1
+
+
+def weighted_distance(free: BoolArray, goal: Int64Array, step: Int64Array) -> Int64Array:
+    """As ``uniform_distance``, where arriving at a cell costs ``step`` (nx, ny)."""
+    cost = goal.copy()
+    _spread_weighted(free, step, cost, np.empty(8 * goal.size + 8, dtype=np.int64))
+    return cost
+
+
+@kernel
+def _spread_weighted(free: BoolArray, step: Int64Array, cost: Int64Array, heap: Int64Array) -> None:
+    """Dijkstra's algorithm from the goals, whose costs ``cost`` holds already."""
+    nx, ny = free.shape
+    size = 0
+    for cell in range(nx * ny):
+        if cost[cell // ny, cell % ny] < FAR:
+            size = push_key(heap, size, (cost[cell // ny, cell % ny] << _CELL_BITS) | cell)
+    while size > 0:
+        key, size = pop_key(heap, size)
+        cell = key & ((1 << _CELL_BITS) - 1)
+        x, y = cell // ny, cell % ny
+        if key >> _CELL_BITS > cost[x, y]:
+            continue
+        following = cost[x, y] + step[x, y]
+        for move in range(4):
+            ox = x + (move == 0) - (move == 1)
+            oy = y + (move == 2) - (move == 3)
+            if ox < 0 or oy < 0 or ox >= nx or oy >= ny or not free[ox, oy]:
+                continue
+            if following < cost[ox, oy]:
+                cost[ox, oy] = following
+                size = push_key(heap, size, (following << _CELL_BITS) | (ox * ny + oy))

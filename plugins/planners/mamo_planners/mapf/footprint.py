@@ -94,13 +94,13 @@ def grown(footprint: Footprint, amount: float) -> Footprint:
 class FootprintArrays(NamedTuple):
     """Footprints side by side, as the kernels take them; n of them, world frame.
 
-    ``points`` (n, k, 2) m relative to ``position`` (n, 2); ``count`` (n,) of them are used;
+    ``points`` (n, k, 2) m relative to ``position`` (n, 2); ``sizes`` (n,) of them are used;
     ``radius``, ``bottom``, ``top`` (n,) m.
     """
 
     position: Array
     points: Array
-    count: npt.NDArray[np.int64]
+    sizes: npt.NDArray[np.int64]
     radius: Array
     bottom: Array
     top: Array

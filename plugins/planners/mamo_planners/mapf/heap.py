@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+
 from mamo_planners.mapf.kernel import kernel
 
 Int64Array = npt.NDArray[np.int64]

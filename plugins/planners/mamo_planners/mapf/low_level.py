@@ -11,11 +11,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from mamo_planners.mapf.kernel import kernel
 
 from mamo_planners.mapf.constraints import FOREVER, Forbidden, mark_forbidden
 from mamo_planners.mapf.distance import FAR, BoolArray, Int64Array
 from mamo_planners.mapf.heap import pop_key, push_key
+from mamo_planners.mapf.kernel import kernel
 from mamo_planners.mapf.model import AgentMap
 from mamo_planners.mapf.tables import CLOSEST, Int16Array, Int32Array, PairTables, overlap
 

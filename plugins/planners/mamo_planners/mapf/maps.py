@@ -6,12 +6,12 @@ Every map is an array (nx, ny) over the lattice steps ``first + [0, n)`` from th
 from __future__ import annotations
 
 import numpy as np
-from mamo_planners.mapf.kernel import kernel
 
 from mamo_core.types.geometry import Array, BoolArray
 from mamo_planners.mapf.convex import difference, hull, row_intervals, signed_distance
 from mamo_planners.mapf.distance import FAR, Int64Array
 from mamo_planners.mapf.footprint import FootprintArrays
+from mamo_planners.mapf.kernel import kernel
 from mamo_planners.mapf.tables import TOUCH, Int32Array
 
 
@@ -32,13 +32,14 @@ def free_cells(
     """
     free = np.ones((size[0], size[1]), np.bool_)
     a, b = np.empty(size[0]), np.empty(size[0])
-    points, count = shapes.points[agent], shapes.count[agent]
+    points, used = shapes.points[agent], shapes.sizes[agent]
     bottom, top = shapes.bottom[agent], shapes.top[agent]
     for o in range(obstacles.position.shape[0]):
         if min(top, obstacles.top[o]) - max(bottom, obstacles.bottom[o]) <= TOUCH:
             continue
-        polygon = difference(points, count, obstacles.points[o], obstacles.count[o])
-        x0, y0 = shapes.position[agent] - obstacles.position[o]
+        polygon = difference(points, used, obstacles.points[o], obstacles.sizes[o])
+        x0 = shapes.position[agent, 0] - obstacles.position[o, 0]
+        y0 = shapes.position[agent, 1] - obstacles.position[o, 1]
         both = shapes.radius[agent] + obstacles.radius[o]
         keep = min(margin, signed_distance(x0, y0, polygon) - both)
         row_intervals(polygon, both + keep - TOUCH, x0 + first[0] * step, step, a, b)
@@ -57,17 +58,17 @@ def starts_inside(
     shapes: FootprintArrays, origin: Array, resolution: float, lowest: Array
 ) -> BoolArray:
     """Which agents (n,) are inside the region where they start (as ``SweptRegion.overlaps``)."""
-    position, points, count, radius, _, top = shapes
+    position, points, sizes, radius, _, top = shapes
     n = position.shape[0]
     inside = np.zeros(n, np.bool_)
     half_diagonal = resolution * np.sqrt(0.5)
     for i in range(n):
-        polygon = hull(points[i], count[i])
+        polygon = hull(points[i], sizes[i])
         reach = radius[i] + half_diagonal + TOUCH
         far = reach
         for k in range(polygon.shape[0]):
             far = max(far, reach + np.hypot(polygon[k, 0], polygon[k, 1]))
-        x, y = position[i] - origin
+        x, y = position[i, 0] - origin[0], position[i, 1] - origin[1]
         left = max(int((x - far) / resolution), 0)
         right = min(int((x + far) / resolution) + 1, lowest.shape[0])
         low = max(int((y - far) / resolution), 0)
@@ -120,8 +121,7 @@ def cells_inside(
     where the footprint is narrower than a region cell): +1 and -1 at the ends, summed up at last.
     """
     change = np.zeros((size[0], size[1] + 1), np.int32)
-    # The cell lies in the footprint moved by p where p lies in the mirrored footprint at the cell.
-    polygon = hull(-points, points.shape[0])
+    polygon = hull(points, points.shape[0])  # symmetric about the pose, as boxes and cylinders
     reach = radius + resolution * np.sqrt(0.5) + TOUCH
     wide = reach
     for k in range(polygon.shape[0]):

@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from mamo_planners.mapf.kernel import kernel
 
 from mamo_core.types.geometry import Array, BoolArray
 from mamo_planners.mapf.convex import difference, row_intervals, signed_distance
 from mamo_planners.mapf.footprint import FootprintArrays
+from mamo_planners.mapf.kernel import kernel
 
 Int16Array = npt.NDArray[np.int16]
 Int32Array = npt.NDArray[np.int32]
@@ -44,70 +44,67 @@ class PairTables(NamedTuple):
 
 def build_pair_tables(shapes: FootprintArrays, resolution: float, margin: float) -> PairTables:
     """Tables of every pair of ``shapes`` on a lattice of ``resolution`` m, ``margin`` m apart."""
-    used = np.arange(shapes.points.shape[1]) < shapes.count[:, None]
+    used = np.arange(shapes.points.shape[1]) < shapes.sizes[:, None]
     reach = np.where(used, np.hypot(shapes.points[..., 0], shapes.points[..., 1]), 0.0).max(axis=1)
     reach = reach + shapes.radius
     width = int(np.ceil(2.0 * (2.0 * reach.max() + margin) / resolution)) + 4
-    return _pair_tables(shapes, resolution, margin, width)
+    n = len(shapes.sizes)
+    tables = PairTables(
+        np.ones((2, n, n, width), dtype=np.int16),
+        np.zeros((2, n, n, width), dtype=np.int16),
+        np.zeros((2, n, n), dtype=np.int32),
+        np.zeros((n, n), dtype=np.bool_),
+    )
+    _fill_tables(*shapes, resolution, margin, *tables, np.empty((2, width)))
+    return tables
 
 
 @kernel
-def _fill_rows(
+def _fill_tables(
+    position: Array,
+    points: Array,
+    sizes: npt.NDArray[np.int64],
+    radius: Array,
+    bottom: Array,
+    top: Array,
+    step: float,
+    margin: float,
     low: Int16Array,
     high: Int16Array,
-    polygon: Array,
-    reach: float,
-    x0: float,
-    y0: float,
-    step: float,
-) -> int:
-    """Intervals of the offsets x0 + k step; returns the k_x of row 0."""
-    left = np.inf
-    for k in range(polygon.shape[0]):
-        left = min(left, polygon[k, 0])
-    first = int(np.floor((left - max(reach, 0.0) - x0) / step))
-    rows = low.shape[0]
-    a, b = np.empty(rows), np.empty(rows)
-    row_intervals(polygon, reach, x0 + first * step, step, a, b)
-    for k in range(rows):
-        if a[k] <= b[k]:
-            low[k] = int(np.ceil((a[k] - y0) / step))
-            high[k] = int(np.floor((b[k] - y0) / step))
-    return first
-
-
-@kernel
-def _pair_tables(shapes: FootprintArrays, step: float, margin: float, width: int) -> PairTables:
-    position, points, count, radius, bottom, top = shapes
-    n = position.shape[0]
-    low = np.ones((2, n, n, width), np.int16)
-    high = np.zeros((2, n, n, width), np.int16)
-    first = np.zeros((2, n, n), np.int32)
-    touching = np.zeros((n, n), np.bool_)
+    first: Int32Array,
+    touching: BoolArray,
+    rows: Array,
+) -> None:
+    """Fills empty tables; ``rows`` (2, w): room for one table's intervals in metres."""
+    n, width = position.shape[0], low.shape[3]
     for i in range(n):
         for j in range(i + 1, n):
             if min(top[i], top[j]) - max(bottom[i], bottom[j]) <= TOUCH:
                 continue
-            polygon = difference(points[i], count[i], points[j], count[j])
-            x, y = position[i] - position[j]
+            polygon = difference(points[i], sizes[i], points[j], sizes[j])
+            x = position[i, 0] - position[j, 0]
+            y = position[i, 1] - position[j, 1]
             both = radius[i] + radius[j]
             gap = signed_distance(x, y, polygon) - both
             touching[i, j] = touching[j, i] = gap < margin - TOUCH
+            left = np.inf
+            for k in range(polygon.shape[0]):
+                left = min(left, polygon[k, 0])
+            row = int(np.floor((left - both - margin - x) / step))
             for table in range(2):
                 if table == CLOSEST or touching[i, j]:
                     keep = min(margin, gap) if table == CLOSEST else margin
-                    a, b = low[table, i, j], high[table, i, j]
-                    row = _fill_rows(a, b, polygon, both + keep - TOUCH, x, y, step)
-                    first[table, i, j], first[table, j, i] = row, -(row + width - 1)
-                    for k in range(width):
-                        low[table, j, i, width - 1 - k] = -b[k]
-                        high[table, j, i, width - 1 - k] = -a[k]
-                else:
-                    for p, q in ((i, j), (j, i)):
-                        low[APART, p, q] = low[CLOSEST, p, q]
-                        high[APART, p, q] = high[CLOSEST, p, q]
-                        first[APART, p, q] = first[CLOSEST, p, q]
-    return PairTables(low, high, first, touching)
+                    reach = both + keep - TOUCH
+                    row_intervals(polygon, reach, x + row * step, step, rows[0], rows[1])
+                first[table, i, j], first[table, j, i] = row, -(row + width - 1)
+                for k in range(width):
+                    if rows[0, k] > rows[1, k]:
+                        continue
+                    least = int(np.ceil((rows[0, k] - y) / step))
+                    most = int(np.floor((rows[1, k] - y) / step))
+                    low[table, i, j, k], high[table, i, j, k] = least, most
+                    low[table, j, i, width - 1 - k] = -most
+                    high[table, j, i, width - 1 - k] = -least
 
 
 @kernel

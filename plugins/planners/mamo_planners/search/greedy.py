@@ -14,6 +14,7 @@ from mamo_core.interfaces.search_strategy import ProgressCallback, SearchStrateg
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import Array
 from mamo_core.types.mapf import GoalPenalty, MAPFBudget
+from mamo_core.types.motion import Motion
 from mamo_core.types.problem import Problem
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import SceneState
@@ -55,22 +56,19 @@ class GreedySearch(SearchStrategy):
         for number in range(self._options.attempts):
             progress(f"attempt {number + 1}")
             statistics.counts["attempts"] += 1
-            region = self._region(rng, statistics)
-            if region is None:
-                if budget.exhausted or number + 1 >= self._options.regions:
-                    return self._no_retrieval(statistics)
-                continue
-            attempt = _Attempt(self, region, budget, rng, statistics, progress)
+            attempt = _Attempt(self, budget, rng, statistics, progress)
             plan = attempt.run()
             if plan is not None:
                 return Solution(SolutionStatus.SOLVED, plan, statistics)
+            if attempt.hopeless:
+                return self._no_retrieval(statistics)
             if budget.exhausted:
                 break
         return Solution(
             SolutionStatus.BUDGET_EXHAUSTED, None, statistics, "no plan within the budget"
         )
 
-    def _region(self, rng: np.random.Generator, statistics: Statistics) -> SweptRegion | None:
+    def region(self, rng: np.random.Generator, statistics: Statistics) -> SweptRegion | None:
         """The NGR of the retrieval, of a few drawn, whose way is blocked the least."""
         best: tuple[tuple[int, float], SweptRegion] | None = None
         initial = self._problem.initial
@@ -114,55 +112,73 @@ class _Attempt:
     def __init__(
         self,
         search: GreedySearch,
-        region: SweptRegion,
         budget: Budget,
         rng: np.random.Generator,
         statistics: Statistics,
         progress: ProgressCallback,
     ) -> None:
-        self._s, self._region, self._budget = search, region, budget
+        self._s, self._budget = search, budget
         self._rng, self._stats, self._progress = rng, statistics, progress
         self._run = search._execution(statistics)
         self._done: list[RearrangementAction] = []
         self._paths: Paths = {}
         self._mapf_calls = 0
+        self.hopeless = False
+        """Whether there is no retrieval even without the movables."""
 
     def run(self) -> Plan | None:
         """A verified plan, or None when nothing more can be done here."""
+        plan = self._retrieve(None)
+        if plan is not None:
+            return plan
+        region = self._s.region(self._rng, self._stats)
+        if region is None:
+            self.hopeless = not self._budget.exhausted
+            return None
         while not self._budget.exhausted:
-            plan = self._retrieve()
+            plan = self._retrieve(region) if self._done else None
             if plan is not None:
                 return plan
-            if len(self._done) >= self._s._options.max_actions or not self._rearrange():
+            if len(self._done) >= self._s._options.max_actions or not self._rearrange(region):
                 return None
         return None
 
-    def _retrieve(self) -> Plan | None:
-        with self._stats.timed("retrieval"):
-            self._stats.counts["retrievals"] += 1
-            found = self._s._retrieval.plan(self._run.state, self._rng)
-        if found.motion is None:
-            return None
-        motion = self._run.retrieval_from_here(found.motion, self._rng)
+    def _retrieve(self, region: SweptRegion | None) -> Plan | None:
+        """A verified plan if the target can be taken out now; failing grasps are left aside."""
+        avoid: set[int] = set()
+        for _ in range(self._s._options.grasp_tries):
+            with self._stats.timed("retrieval"):
+                self._stats.counts["retrievals"] += 1
+                found = self._s._retrieval.plan(self._run.state, self._rng, avoid=avoid)
+            if found.motion is None or self._budget.exhausted:
+                return None
+            plan = self._confirmed(found.motion, region)
+            if plan is not None:
+                return plan
+            avoid.add(found.grasp)
+        return None
+
+    def _confirmed(self, retrieval: Motion, region: SweptRegion | None) -> Plan | None:
+        motion = self._run.retrieval_from_here(retrieval, self._rng)
         if motion is None or not self._run.retrieval_holds(motion):
             return None
-        plan = Plan(tuple(self._done), motion, self._region)
+        plan = Plan(tuple(self._done), motion, region)
         with self._stats.timed("verification"):
             failures = self._s._verifier(plan)
         for failure in failures:
             self._stats.failed("plan", "verification", failure)
         return None if failures else plan
 
-    def _rearrange(self) -> bool:
+    def _rearrange(self, region: SweptRegion) -> bool:
         """Find and commit to one valid action; False if none was found."""
         penalties: Penalties = defaultdict(list)
         for _ in range(self._s._options.rounds):
             if self._budget.exhausted:
                 return False
-            if not self._paths and not self._solve_mapf(penalties):
+            if not self._paths and not self._solve_mapf(region, penalties):
                 break
             for name in self._rng.permutation(sorted(self._paths)):
-                if self._try_object(str(name), self._paths[str(name)]):
+                if self._try_object(region, str(name), self._paths[str(name)]):
                     if self._s._options.iterate:
                         self._paths = {}
                     else:
@@ -173,14 +189,14 @@ class _Attempt:
             for name, path in self._paths.items():
                 penalties[name].append(GoalPenalty(path[-1], _FORBIDDEN_RADIUS, float("inf")))
             self._paths = {}
-        return self._try_agnostic()
+        return self._try_agnostic(region)
 
-    def _solve_mapf(self, penalties: Penalties) -> bool:
+    def _solve_mapf(self, region: SweptRegion, penalties: Penalties) -> bool:
         if self._mapf_calls and not self._s._options.iterate:
             return False
         self._mapf_calls += 1
         problem = mapf_problem(
-            self._s._problem, self._run.state, self._region, penalties, self._s._options.goal_margin
+            self._s._problem, self._run.state, region, penalties, self._s._options.goal_margin
         )
         with self._stats.timed("mapf"):
             solution = self._s._mapf.solve(problem, self._s._mapf_budget, self._rng)
@@ -192,18 +208,18 @@ class _Attempt:
         self._progress(f"{len(self._done)} actions, {len(self._paths)} objects in the way")
         return bool(self._paths)
 
-    def _try_object(self, name: str, path: Array) -> bool:
-        request = ActionRequest(name, path, self._region)
+    def _try_object(self, region: SweptRegion, name: str, path: Array) -> bool:
+        request = ActionRequest(name, path, region)
         return any(self._try_actions(g, request, guided=True) for g in self._s._actions)
 
-    def _try_agnostic(self) -> bool:
+    def _try_agnostic(self, region: SweptRegion) -> bool:
         """Pushes in random directions that leave less of the NGR occupied."""
-        inside = occupied(self._s._problem, self._run.state, self._region)
+        inside = occupied(self._s._problem, self._run.state, region)
         for _ in range(self._s._options.agnostic if inside else 0):
             if self._budget.exhausted:
                 return False
             name = inside[int(self._rng.integers(len(inside)))]
-            request = ActionRequest(name, None, self._region)
+            request = ActionRequest(name, None, region)
             if any(self._try_actions(g, request, guided=False) for g in self._s._actions):
                 return True
         return False
@@ -215,15 +231,15 @@ class _Attempt:
         for action in generator.propose(before, request, self._rng, self._stats):
             if self._budget.exhausted:
                 return False
-            accept = None if guided else self._lessens(before)
+            accept = None if guided else self._lessens(request.region, before)
             if self._run.commit(action, accept):
                 self._done.append(action)
                 return True
         return False
 
-    def _lessens(self, before: SceneState) -> Callable[[SceneState], bool]:
-        rank = occupancy(self._s._problem, before, self._region)
-        return lambda after: occupancy(self._s._problem, after, self._region) < rank
+    def _lessens(self, region: SweptRegion, before: SceneState) -> Callable[[SceneState], bool]:
+        rank = occupancy(self._s._problem, before, region)
+        return lambda after: occupancy(self._s._problem, after, region) < rank
 
 
 def _moves(path: Array) -> bool:

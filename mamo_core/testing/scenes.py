@@ -1,0 +1,75 @@
+"""Tiny scenes for the gantry with known answers, so that searches are tested in milliseconds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mamo_core.testing.gantry import GANTRY
+from mamo_core.types.geometry import Box, Cylinder, make_pose
+from mamo_core.types.problem import Grasp, Problem
+from mamo_core.types.scene import Fixture, Mobility, Scene, SceneObject, SceneState, Workspace
+
+HOME = np.array([-0.2, 0.0, 0.05, 0.0])
+"""The gantry's start and goal: in front of the open side, m and rad."""
+
+TARGET_XY = (0.45, 0.0)
+OPENING = 0.07
+"""Gap between the fingers of the only grasp: the target is 6 cm wide, m."""
+
+
+@dataclass(frozen=True, eq=False)
+class TinyScene:
+    """``blockers``: movables that stand in the way; ``solvable``: pushes can clear it."""
+
+    problem: Problem
+    blockers: tuple[str, ...]
+    solvable: bool = True
+
+
+def clear_scene() -> TinyScene:
+    """Nothing is in the way."""
+    return TinyScene(_problem("clear", {"a": (0.25, 0.25)}), ())
+
+
+def one_blocker() -> TinyScene:
+    """One box stands in the middle of the way, with room on both sides."""
+    return TinyScene(_problem("one_blocker", {"a": (0.25, 0.0), "b": (0.45, 0.3)}), ("a",))
+
+
+def two_blockers() -> TinyScene:
+    """Two boxes stand in the way, one behind the other."""
+    places = {"a": (0.15, 0.02), "b": (0.30, -0.02), "c": (0.5, 0.32)}
+    return TinyScene(_problem("two_blockers", places), ("a", "b"))
+
+
+def walled_in() -> TinyScene:
+    """An immovable box stands in the way: no plan exists."""
+    problem = _problem("walled_in", {"a": (0.25, 0.25)}, immovables={"w": (0.25, 0.0)})
+    return TinyScene(problem, (), solvable=False)
+
+
+def _problem(
+    name: str,
+    movables: dict[str, tuple[float, float]],
+    immovables: dict[str, tuple[float, float]] | None = None,
+) -> Problem:
+    box = Box(np.array([0.06, 0.06, 0.12]))
+    placed = {**movables, **(immovables or {})}
+    objects = [
+        SceneObject(n, box, Mobility.MOVABLE if n in movables else Mobility.IMMOVABLE, 0.2, 0.5)
+        for n in placed
+    ]
+    objects.append(SceneObject("target", Cylinder(0.03, 0.12), Mobility.TARGET, 0.2, 0.5))
+    poses = [make_pose([x, y, 0.06]) for x, y in (*placed.values(), TARGET_XY)]
+    floor = Fixture("floor", Box(np.array([0.6, 0.8, 0.04])), make_pose([0.3, 0.0, -0.02]))
+    scene = Scene(
+        robot=GANTRY,
+        T_world_base=make_pose([0.0, 0.0, 0.0]),
+        fixtures=(floor,),
+        objects=tuple(objects),
+        workspace=Workspace(np.array([0.0, -0.4, 0.0]), np.array([0.6, 0.4, 0.3])),
+    )
+    grasp = Grasp(make_pose([0.0, 0.0, -0.01]), approach=0.1, opening=OPENING)
+    return Problem(name, scene, SceneState(HOME, np.array(poses)), HOME, (grasp,))
