@@ -19,6 +19,7 @@ from mamo_core.types.scene import Mobility, SceneState
 from mamo_core.types.solution import Plan
 
 _CONTINUITY = 1e-6
+_LIMIT_SLACK = 1e-6
 _SPEED_SLACK = 1.01
 _MESH_STEP = 0.05
 _GRIP_SLIP = 0.02
@@ -96,8 +97,10 @@ def check_trajectories(problem: Problem, plan: Plan, robot: ArmModel) -> list[st
             positions, times = segment.trajectory.positions, segment.trajectory.times
             if np.abs(positions[0] - where).max() > _CONTINUITY:
                 failures.append(f"{label}: does not start where the arm is")
-            if (positions < robot.lower - 1e-9).any() or (positions > robot.upper + 1e-9).any():
-                failures.append(f"{label}: joint limits exceeded")
+            over = np.maximum(robot.lower - positions, positions - robot.upper)
+            if over.max() > _LIMIT_SLACK:
+                joint = robot.joint_names[int(np.argmax(over.max(axis=0)))]
+                failures.append(f"{label}: {joint} exceeds its limit by {over.max():.2e} rad")
             if len(times) > 1:
                 speeds = np.abs(np.diff(positions, axis=0)) / np.diff(times)[:, None]
                 if (speeds > _SPEED_SLACK * robot.velocity).any():

@@ -19,6 +19,7 @@ import numpy as np
 from mamo_core.errors import InputError, suggestion
 from mamo_core.problems.documents import automatic_grasps
 from mamo_core.problems.footprints import Footprint, extents, footprint, separation
+from mamo_core.problems.grasps import LEAST_CLEARANCE, max_opening
 from mamo_core.problems.importers import (
     HOME,
     INTERIOR_LOWER,
@@ -52,6 +53,7 @@ HEAVIEST = 0.5
 FRICTION = (0.8, 1.2)
 GAP = 0.01
 GRASPABLE = 0.045
+"""Half width of the widest published target, m; ours must also fit our gripper."""
 REACH = (0.66, 0.82)
 """Published targets are uniform in x up to the first and thin out to none at the second, m."""
 
@@ -188,9 +190,10 @@ def _apart(a: Footprint, b: Footprint) -> bool:
 
 
 def _first_graspable(bodies: Sequence[tuple[Shape, Array]], farthest: float) -> int | None:
+    widest = min(2.0 * GRASPABLE, max_opening(ROBOT) - LEAST_CLEARANCE)
     for i, (shape, pose) in enumerate(bodies):
-        half = shape.size[:2].min() / 2.0 if isinstance(shape, Box) else shape.radius
-        if half < GRASPABLE and pose[0] <= farthest:
+        width = shape.size[:2].min() if isinstance(shape, Box) else 2.0 * shape.radius
+        if width < widest and pose[0] <= farthest:
             return i
     return None
 

@@ -14,7 +14,7 @@ from mamo_core.types.scene import SceneObject
 MAX_OPENING = {"pr2_right_arm": 0.0920, "panda": 0.0799}
 """Widest gap between the fingers by robot, m, as measured on the canonical arm models."""
 
-LEAST_CLEARANCE = 0.004
+LEAST_CLEARANCE = 0.002
 """Faces that would leave less between the open fingers are not grasped, m."""
 
 TOOL_PAST_CENTER = 0.025

@@ -63,9 +63,7 @@ def instance(
     )
     return MAPFProblem(
         agents=tuple(
-            MAPFAgent(
-                name, cube, make_pose([*centre, SIDE / 2.0]), (penalties or {}).get(name, ())
-            )
+            MAPFAgent(name, cube, make_pose([*centre, SIDE / 2.0]), (penalties or {}).get(name, ()))
             for name, centre in starts.items()
         ),
         obstacles=obstacles,
@@ -80,11 +78,9 @@ def instance(
 def one_in_a_lane(penalties: tuple[GoalPenalty, ...] = ()) -> MAPFProblem:
     """One cube in a lane of its own width; x beyond 0.12 is free. Nearest goal: 9 steps off.
 
-    The cube must clear the last swept cell by half a cell diagonal: centre at 0.15 or more.
+    The cube must clear the centre of the last swept cell by half a diagonal: at 0.15 or beyond.
     """
-    return instance(
-        {"a": (0.06, 0.02)}, (0.0, 0.0, 0.12, 0.04), (0.30, 0.04), {"a": penalties}
-    )
+    return instance({"a": (0.06, 0.02)}, (0.0, 0.0, 0.12, 0.04), (0.30, 0.04), {"a": penalties})
 
 
 def one_must_give_way() -> MAPFProblem:
@@ -93,24 +89,22 @@ def one_must_give_way() -> MAPFProblem:
     Lane y 0..0.04; x up to 0.12 swept; ``b`` at 0.15, so ``a`` ends at 0.15 only if ``b`` is at
     0.19 or more: 9 steps for ``a`` and 4 for ``b``, and none more are needed.
     """
-    return instance(
-        {"a": (0.06, 0.02), "b": (0.15, 0.02)}, (0.0, 0.0, 0.12, 0.04), (0.30, 0.04)
-    )
+    return instance({"a": (0.06, 0.02), "b": (0.15, 0.02)}, (0.0, 0.0, 0.12, 0.04), (0.30, 0.04))
 
 
-def exchange_with_a_bay() -> MAPFProblem:
-    """``a`` must go right past ``b``, who must go left: ``b`` can only dodge into a bay.
+def one_must_step_aside() -> MAPFProblem:
+    """``a`` must get past ``b``, whose only way aside is a bay: 14 steps and 4.
 
-    Each is forbidden its own side by a penalty, so nothing but an exchange solves it.
+    Lane y 0..0.04 with a bay above x 0.13..0.17. ``a`` may end at x >= 0.20 alone, and the lane
+    ends at 0.24, so ``b`` cannot dodge to the right.
     """
-    left = GoalPenalty(np.array([0.06, 0.02]), 0.08, float("inf"))
-    right = GoalPenalty(np.array([0.24, 0.02]), 0.08, float("inf"))
+    left = GoalPenalty(np.array([0.05, 0.02]), 0.1451, float("inf"))
     return instance(
-        {"a": (0.06, 0.02), "b": (0.24, 0.02)},
-        (0.13, 0.02, 0.17, 0.08),
-        (0.30, 0.08),
-        {"a": (left,), "b": (right,)},
-        {"low": (0.0, 0.04, 0.13, 0.08), "high": (0.17, 0.04, 0.30, 0.08)},
+        {"a": (0.06, 0.02), "b": (0.15, 0.02)},
+        None,
+        (0.24, 0.08),
+        {"a": (left,)},
+        {"low": (0.0, 0.04, 0.13, 0.08), "high": (0.17, 0.04, 0.24, 0.08)},
     )
 
 
@@ -138,9 +132,7 @@ class MAPFSolverContract:
 
     def solve(self, problem: MAPFProblem, budget: MAPFBudget | None = None) -> MAPFSolution:
         """A solution with a fixed generator."""
-        return self.make_solver().solve(
-            problem, budget or self.budget, np.random.default_rng(7)
-        )
+        return self.make_solver().solve(problem, budget or self.budget, np.random.default_rng(7))
 
     def solved(self, problem: MAPFProblem, optimum: float) -> MAPFSolution:
         """A solution whose paths, cost, bounds and status agree with each other and the optimum."""
@@ -166,7 +158,7 @@ class MAPFSolverContract:
         self.solved(one_must_give_way(), 13.0)
 
     def test_agents_do_not_run_into_obstacles(self) -> None:
-        # The shortest way out leads through the pillar: round it costs 4 steps more.
+        # The shortest way out leads through the pillar: round it is 3 steps more.
         problem = instance(
             {"a": (0.06, 0.06)},
             (0.0, 0.0, 0.12, 0.12),
@@ -175,14 +167,14 @@ class MAPFSolverContract:
         )
         self.solved(problem, 12.0)
 
-    def test_two_exchange_places_through_a_bay(self) -> None:
-        problem = exchange_with_a_bay()
+    def test_one_steps_aside_for_the_other(self) -> None:
+        problem = one_must_step_aside()
+        if self.complete:
+            self.solved(problem, 18.0)
+            return
         solution = self.solve(problem)
-        if solution.solved:
-            assert verify_mapf(problem, solution) == []
-        else:
-            assert not self.complete, f"status {solution.status}, expected a solution"
-            assert solution.status is MAPFStatus.TIMEOUT, "infeasible is wrong: there is a way"
+        assert verify_mapf(problem, solution) == []
+        assert solution.status is not MAPFStatus.INFEASIBLE, "infeasible is wrong: there is a way"
 
     def test_nobody_claims_a_solution_where_there_is_none(self) -> None:
         solution = self.solve(nowhere_to_go())
@@ -212,7 +204,7 @@ class MAPFSolverContract:
         self.solved(one_in_a_lane((place, place)), 12.0)
 
     def test_equal_inputs_give_equal_paths(self) -> None:
-        for problem in (one_must_give_way(), exchange_with_a_bay(), open_field()):
+        for problem in (one_must_give_way(), one_must_step_aside(), open_field()):
             first, second = self.solve(problem), self.solve(problem)
             assert first.status is second.status
             assert first.cost == second.cost or not first.solved
@@ -221,7 +213,7 @@ class MAPFSolverContract:
 
     def test_little_work_gives_an_honest_answer(self) -> None:
         for nodes, expansions in ((0, 0), (1, 1), (1, 50), (3, 10_000)):
-            problem = exchange_with_a_bay()
+            problem = one_must_step_aside()
             solution = self.solve(problem, MAPFBudget(nodes, expansions))
             assert verify_mapf(problem, solution) == []
             assert solution.solved or solution.status is MAPFStatus.TIMEOUT

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
 from mamo_core.interfaces.transition_model import TransitionModel
 from mamo_core.robots.library import load_arm
 from mamo_core.testing.gantry import GantryKinematics
@@ -40,7 +38,3 @@ class TestMuJoCo(TransitionModelContract):
 
         arm = load_arm(problem.scene.robot)
         return MuJoCoModel(problem, arm, standard_constraints(problem), MuJoCoOptions())
-
-    @pytest.mark.xfail(strict=True, reason="records at steps after the grid, later each time")
-    def test_trace_is_on_the_grid(self, model: TransitionModel, cases: TransitionCases) -> None:
-        super().test_trace_is_on_the_grid(model, cases)

@@ -10,13 +10,14 @@ import mujoco
 import numpy as np
 
 from mamo_core.constraints.monitor import ConstraintMonitor
+from mamo_core.constraints.recorder import TraceRecorder
 from mamo_core.interfaces.constraint import InteractionConstraint
 from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array, invert, matrix_from_pose, pose_from_matrix
 from mamo_core.types.motion import Motion, MotionSegment
 from mamo_core.types.problem import Problem
-from mamo_core.types.rollout import NO_CONTACTS, RolloutResult, StepObservation, Trace
+from mamo_core.types.rollout import NO_CONTACTS, RolloutResult, StepObservation
 from mamo_core.types.scene import SceneState, displacements
 from mamo_mujoco.kernels import at_rest, contact_pairs, largest_gap, observe
 from mamo_mujoco.world import WorldIndex
@@ -34,7 +35,6 @@ class Continuation:
 
     data: Any
     opening: float
-    time: float
 
 
 class Engine:
@@ -85,10 +85,8 @@ class Engine:
             duration=self._steps * self._step,
             steps=self._steps,
             segment_states=tuple(segment_states),
-            trace=self._trace(),
-            continuation=(
-                Continuation(copy.copy(self._data), self._opening, self._time) if keep else None
-            ),
+            trace=self._recorder.trace() if self._recorder is not None else None,
+            continuation=(Continuation(copy.copy(self._data), self._opening) if keep else None),
         )
 
     def _begin(
@@ -104,14 +102,16 @@ class Engine:
         self._steps, self._late, self._held = 0, 0, -1
         entities = len(self._problem.scene.entities)
         self._touched = np.zeros((entities, entities), dtype=np.bool_)
-        self._records: list[tuple[float, Array, float, Array]] = []
-        self._next_record = 0.0
+        step = options.trace_step
+        self._recorder = TraceRecorder(step) if step is not None else None
         if continuation is not None:
             mujoco.mj_copyData(self._data, self._model, continuation.data)
-            self._opening, self._time = continuation.opening, continuation.time
-            return
-        self._opening, self._time = motion.opening, 0.0
-        self._write(state, motion.opening)
+            self._opening = continuation.opening
+        else:
+            self._opening = motion.opening
+            self._write(state, motion.opening)
+        self._time = 0.0
+        self._record(self._opening)
 
     def _write(self, state: SceneState, opening: float) -> None:
         data, index = self._data, self._index
@@ -176,10 +176,12 @@ class Engine:
         self._late = self._late + 1 if self._error(reference) > _LAG else 0
         if self._late >= _LAG_STEPS:
             self._stalled = self._stop = True
-        if self._options.trace_step is not None and self._time >= self._next_record - 1e-9:
+        self._record(opening)
+
+    def _record(self, opening: float) -> None:
+        if self._recorder is not None:
             joints = self._qpos[self._index.arm_qpos]
-            self._records.append((self._time, joints, opening, self._poses()))
-            self._next_record = self._time + self._options.trace_step
+            self._recorder.see(self._time, joints, opening, self._poses())
 
     def _observe(self) -> StepObservation:
         data, index = self._data, self._index
@@ -229,21 +231,6 @@ class Engine:
     def _contacts(self) -> frozenset[tuple[str, str]]:
         names = self._problem.scene.entities
         return frozenset((names[a], names[b]) for a, b in np.argwhere(self._touched))
-
-    def _trace(self) -> Trace | None:
-        if self._options.trace_step is None:
-            return None
-        times, joints, openings, poses = (
-            zip(*self._records, strict=True)
-            if self._records
-            else (
-                (),
-                (),
-                (),
-                (),
-            )
-        )
-        return Trace(np.array(times), np.array(joints), np.array(openings), np.array(poses))
 
 
 def _body_matrix(data: Any, body: int) -> Array:

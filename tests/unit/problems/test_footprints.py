@@ -30,7 +30,7 @@ def moved(one: Footprint, dx: float, dy: float) -> Footprint:
 
 def outline(one: Footprint) -> np.ndarray:
     """Points (k, 2) on the edge."""
-    t = np.linspace(0.0, 1.0, 400, endpoint=False)
+    t = np.linspace(0.0, 1.0, 200, endpoint=False)
     if one.round:
         a = 2 * np.pi * t
         return np.array([one.x, one.y]) + one.radius * np.stack([np.cos(a), np.sin(a)], axis=1)

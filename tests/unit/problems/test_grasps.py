@@ -32,10 +32,9 @@ def test_a_narrow_box_is_held_across_its_narrow_side() -> None:
 
 
 def test_a_slim_box_is_held_from_all_sides_and_a_wide_one_not_at_all() -> None:
-    assert (
-        len(yaws(default_grasps(target(Box(np.array([0.06, 0.06, 0.1]))), max_opening=0.09))) == 4
-    )
-    assert default_grasps(target(Box(np.array([0.1, 0.1, 0.1]))), max_opening=0.12) == ()
+    slim, wide = (target(Box(np.array([w, w, 0.1]))) for w in (0.06, 0.09))
+    assert len(yaws(default_grasps(slim, max_opening=0.09))) == 4
+    assert default_grasps(wide, max_opening=0.09) == ()
 
 
 def test_a_cylinder_is_held_from_sixteen_sides_nearest_the_first_yaw_first() -> None:
