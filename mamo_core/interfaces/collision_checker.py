@@ -31,6 +31,13 @@ class CollisionWorld(ABC):
     def edges_free(self, starts: Array, ends: Array) -> BoolArray:
         """Which straight joint motions between configurations (k, dof) touch nothing: bool (k,)."""
 
+    def hands_free(self, T_world_tools: Array) -> BoolArray:
+        """Which tool poses (k, 4, 4) keep the hand clear, wherever the arm is: bool (k,).
+
+        A quick screen before inverse kinematics. Capability ``hands_free``.
+        """
+        raise PluginError(f"{type(self).__name__} does not offer hands_free")
+
 
 class CollisionChecker(ABC):
     """Builds worlds for one problem; "free" from a checker is never a mesh collision."""

@@ -165,6 +165,27 @@ def free_batch(
 
 
 @njit(cache=True)
+def hands_free(s: SphereArrays, w: WorldArrays, last_link_frames: Array) -> BoolArray:
+    """Which poses (k, 4, 4) of the last link keep it, and so the hand, clear."""
+    last = s.links.shape[0] - 1
+    R, p = np.empty((last + 1, 3, 3)), np.empty((last + 1, 3))
+    near = np.empty(w.centre.shape[0], dtype=np.int64)
+    result = np.ones(last_link_frames.shape[0], dtype=np.bool_)
+    for n in range(last_link_frames.shape[0]):
+        for i in range(3):
+            p[last, i] = last_link_frames[n, i, 3]
+            for j in range(3):
+                R[last, i, j] = last_link_frames[n, i, j]
+        x, y, z = _place(R, p, last, s.links, last)
+        count = _shortlist(w, last, x, y, z, s.links[last, 3] + w.margin, near)
+        for c in range(s.link_start[last], s.link_start[last + 1]):
+            if _cluster_hits(s, w, R, p, last, c, near, count):
+                result[n] = False
+                break
+    return result
+
+
+@njit(cache=True)
 def edge_steps(chain: ChainArrays, a: Array, b: Array) -> int:
     """Number of pieces an edge is cut into, so that nothing travels more than EDGE_STEP in one."""
     travel = 0.0

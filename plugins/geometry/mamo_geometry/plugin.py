@@ -47,7 +47,7 @@ def mamo_collision_checkers() -> Iterable[Component]:
             _spheres,
             SphereCheckerOptions,
             "conservative sphere covers against boxes and cylinders",
-            provides=frozenset({"conservative", "swept_region", "sphere_arrays"}),
+            provides=frozenset({"conservative", "hands_free", "swept_region", "sphere_arrays"}),
         ),
     ]
 

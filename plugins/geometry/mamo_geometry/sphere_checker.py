@@ -8,7 +8,7 @@ import numpy as np
 
 from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld, HeldObject
 from mamo_core.robots.model import ArmModel
-from mamo_core.types.geometry import Array, BoolArray, matrix_from_pose
+from mamo_core.types.geometry import Array, BoolArray, invert, matrix_from_pose
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import Scene
 from mamo_geometry.arrays import (
@@ -21,7 +21,7 @@ from mamo_geometry.arrays import (
     with_held,
     world_arrays,
 )
-from mamo_geometry.kernels import edges_batch, free_batch, sweep_heights
+from mamo_geometry.kernels import edges_batch, free_batch, hands_free, sweep_heights
 from mamo_geometry.options import SphereCheckerOptions
 
 
@@ -30,12 +30,17 @@ class SphereWorld(CollisionWorld):
 
     def __init__(self, chain: ChainArrays, spheres: SphereArrays, world: WorldArrays) -> None:
         self.chain, self.spheres, self.world = chain, spheres, world
+        self._T_tool_link = invert(np.vstack([chain.tool, [0.0, 0.0, 0.0, 1.0]]))
 
     def free(self, configurations: Array) -> BoolArray:
         return free_batch(self.chain, self.spheres, self.world, _rows(configurations))
 
     def edges_free(self, starts: Array, ends: Array) -> BoolArray:
         return edges_batch(self.chain, self.spheres, self.world, _rows(starts), _rows(ends))
+
+    def hands_free(self, T_world_tools: Array) -> BoolArray:
+        frames = T_world_tools @ self._T_tool_link
+        return hands_free(self.spheres, self.world, np.ascontiguousarray(frames))
 
 
 class SphereChecker(CollisionChecker):

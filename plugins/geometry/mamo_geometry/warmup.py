@@ -33,6 +33,7 @@ def warm_up() -> None:
     checker = SphereChecker(scene, arm, SphereCheckerOptions())
     world = checker.world(np.array([make_pose([3.0, 0.0, 0.0])]), opening=0.0)
     world.edges_free(line.path[:1], line.path[-1:])
+    world.hands_free(T[None])
     near_home = arm.home[None, :] + 0.01
     RRTConnect(arm, RRTConnectOptions()).plan(arm.home, near_home, world, rng)
     checker.swept_region(line.path, opening=0.0)

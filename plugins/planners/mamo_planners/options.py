@@ -28,6 +28,8 @@ class PushOptions(Options):
         "rich", description="rich: many tool poses per goal; thesis: one yaw, pitch and stand-off"
     )
     samples: int = Field(6, ge=1, description="pushes proposed per object and goal")
+    poses: int = Field(40, ge=1, description="tool poses per goal that reach inverse kinematics")
+    starts: int = Field(12, ge=1, description="arm configurations per goal that are kept")
     branches: int = Field(2, ge=1, description="arm configurations tried per tool pose")
     floor_gap: float = Field(0.004, ge=0.0, description="distance of the hand from the floor, m")
     overshoot: float = Field(0.01, ge=0.0, description="length pushed beyond the goal, m")

@@ -87,7 +87,15 @@ def mamo_mapf_solvers() -> Iterable[Component]:
 @hookimpl
 def mamo_actions() -> Iterable[Component]:
     """Pushes."""
-    return [Component("push", _push, PushOptions, "straight pushes, thesis 4.4.2 and richer")]
+    return [
+        Component(
+            "push",
+            _push,
+            PushOptions,
+            "straight pushes, thesis 4.4.2 and richer",
+            requires={"collision": frozenset({"hands_free"})},
+        ),
+    ]
 
 
 @hookimpl

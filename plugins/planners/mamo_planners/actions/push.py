@@ -20,13 +20,20 @@ from mamo_core.types.motion import Motion, MotionSegment, SegmentKind
 from mamo_core.types.problem import Problem
 from mamo_core.types.scene import Mobility, SceneState
 from mamo_core.types.solution import Statistics
-from mamo_planners.actions.push_geometry import ToolPose, rich_tool_poses, thesis_tool_poses
+from mamo_planners.actions.push_geometry import (
+    ToolPose,
+    awkwardness,
+    rich_tool_poses,
+    thesis_tool_poses,
+)
 from mamo_planners.footprints import extent_along, free_slide
 from mamo_planners.options import PushOptions
 
 _AGNOSTIC_LENGTHS = (0.06, 0.25)
 _LINE_STEP = 0.01
 _QUERY_SIZE = 6
+_SCREEN_STEP = 0.02
+_SHUFFLE = 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,29 +127,65 @@ class Push(ActionGenerator):
         rng: np.random.Generator,
         statistics: Statistics,
     ) -> list[_Start]:
-        """Every tool pose and arm branch whose sweep can be followed clear of what is fixed."""
+        """Arm configurations behind the object whose sweep is clear of what is fixed."""
         direction = delta / np.linalg.norm(delta)
         extent = extent_along(shape, pose, direction)
         everything = self._collision.world(state.object_poses, opening=self._opening)
         fixed_only = self._collision.world(
             state.object_poses, opening=self._opening, ignore=self._movables
         )
-        found = []
-        for tool in self._tool_poses(rng):
-            position = pose[:2] - direction * (extent + tool.stand_off)
-            T = self._tool_at(position, direction, tool)
-            travel = float(np.linalg.norm(delta)) + tool.stand_off + self._options.overshoot
+        found: list[_Start] = []
+        tools = self._screened(pose, direction, extent, delta, rng, everything, fixed_only)
+        statistics.failed(name, "push", "hand_blocked", int(not tools))
+        for tool, T in tools:
+            if len(found) >= self._options.starts:
+                break
             solutions = self._kinematics.inverse(T, rng, count=self._options.branches)
             if not len(solutions):
                 statistics.failed(name, "push", "no_ik")
                 continue
             free = everything.free(solutions)
             statistics.failed(name, "push", "start_blocked", int((~free).sum()))
+            travel = self._travel(delta, tool)
             for q in solutions[free]:
                 sweep = self._sweep(q, T, direction, travel, fixed_only, name, statistics)
                 if sweep is not None:
                     found.append(_Start(sweep, {"yaw": tool.yaw_offset, "pitch": tool.pitch}))
         return found
+
+    def _travel(self, delta: Array, tool: ToolPose) -> float:
+        """Length of the sweep, m."""
+        return float(np.linalg.norm(delta)) + tool.stand_off + self._options.overshoot
+
+    def _screened(
+        self,
+        pose: Array,
+        direction: Array,
+        extent: float,
+        delta: Array,
+        rng: np.random.Generator,
+        everything: CollisionWorld,
+        fixed_only: CollisionWorld,
+    ) -> list[tuple[ToolPose, Array]]:
+        """Tool poses where the hand fits at the start and along the sweep; likely ones first."""
+        tools = self._tool_poses(rng)
+        starts = np.array(
+            [
+                self._tool_at(pose[:2] - direction * (extent + tool.stand_off), direction, tool)
+                for tool in tools
+            ]
+        )
+        kept = []
+        for k in np.flatnonzero(everything.hands_free(starts)):
+            travel = self._travel(delta, tools[k])
+            steps = max(2, int(np.ceil(travel / _SCREEN_STEP)) + 1)
+            swept = np.repeat(starts[k][None], steps, axis=0)
+            swept[:, :2, 3] += np.linspace(0.0, travel, steps)[:, None] * direction
+            if fixed_only.hands_free(swept).all():
+                kept.append(k)
+        noise = rng.uniform(0.0, _SHUFFLE, len(tools))
+        kept.sort(key=lambda k: awkwardness(tools[k]) + noise[k])
+        return [(tools[k], starts[k]) for k in kept[: self._options.poses]]
 
     def _tool_poses(self, rng: np.random.Generator) -> list[ToolPose]:
         if self._options.geometry == "thesis":
@@ -157,7 +200,7 @@ class Push(ActionGenerator):
         turned = self._hand[:, :3] @ T[2, :3]
         lowest = float((turned - self._hand[:, 3]).min())
         floor = self._problem.scene.workspace.floor
-        T[2, 3] = floor - lowest + self._options.floor_gap + tool.height
+        T[2, 3] = floor - lowest + self._options.floor_gap
         return T
 
     def _sweep(

@@ -1,0 +1,66 @@
+# Everything a checkout needs, with nothing but Python 3.11 and make. `make help` lists the targets.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
+WARM := $(VENV)/.warm
+DEMO := out/demo
+DEMO_SEED := 1
+
+# What is compiled or cached by `mamo warmup`: a change here warms up again.
+KERNELS := $(shell find mamo_core plugins -name '*.py')
+
+# One thread for each process: tests run in parallel, benchmarks compare single cores.
+export OMP_NUM_THREADS := 1
+export OPENBLAS_NUM_THREADS := 1
+export MKL_NUM_THREADS := 1
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.PHONY: help setup demo test check bench clean
+.DEFAULT_GOAL := help
+
+help:
+	@echo "make demo    set up, generate a scene, plan, verify, draw ($(DEMO)/plan.png)"
+	@echo "make test    linters, types, import rules, all tests"
+	@echo "make check   the same without the tests"
+	@echo "make bench   speed of the parts beside their targets"
+	@echo "make setup   only the virtual environment $(VENV), with compiled kernels"
+	@echo "make clean   remove everything that was made"
+
+setup: $(WARM)
+
+$(INSTALLED): pyproject.toml constraints.txt
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@echo "installing mamo and its dependencies into $(VENV)"
+	@$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+$(WARM): $(INSTALLED) $(KERNELS)
+	@echo "building robots and compiling kernels"
+	@$(BIN)/mamo warmup
+	@touch $@
+
+demo: $(WARM)
+	@mkdir -p $(DEMO)
+	$(BIN)/mamo problem generate shelf --level medium --movables 10 --seed $(DEMO_SEED) \
+		-o $(DEMO)/problem.json
+	$(BIN)/mamo plan $(DEMO)/problem.json -o $(DEMO)/plan.json --png $(DEMO)/plan.png
+	$(BIN)/mamo verify $(DEMO)/plan.json
+
+check: $(INSTALLED)
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+test: check $(WARM)
+	$(BIN)/python -m pytest -n auto
+
+bench: $(WARM)
+	$(BIN)/python benchmarks/micro.py
+
+clean:
+	rm -rf $(VENV) out build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache \
+		.hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
