@@ -36,7 +36,6 @@ class RRTConnect(ArmPlanner):
             raise TypeError(f"rrt_connect plans in worlds of 'spheres', not {type(world).__name__}")
         checks = np.zeros(1, dtype=np.int64)
         limit = self._options.max_checks if max_checks is None else max_checks
-        seeds = rng.integers(1, 2**62, size=2)
         checks[0] = 1 + len(goals)
         if not world.free(start)[0]:
             return ArmPlan(ArmPlanStatus.START_BLOCKED, None, -1, 1)
@@ -51,13 +50,13 @@ class RRTConnect(ArmPlanner):
             np.ascontiguousarray(goals[open_goals]),
             np.minimum(self._low, np.minimum(begin, goals.min(axis=0))),
             np.maximum(self._high, np.maximum(begin, goals.max(axis=0))),
-            int(seeds[0]),
+            rng,
             limit,
             checks,
         )
         if goal < 0:
             return ArmPlan(ArmPlanStatus.EXHAUSTED, None, -1, int(checks[0]))
-        path = shortcut(*arrays, path, self._options.shortcuts, int(seeds[1]), checks)
+        path = shortcut(*arrays, path, self._options.shortcuts, rng, checks)
         moved = np.abs(np.diff(path, axis=0)).max(axis=1) > _CLOSE
         path = path[np.concatenate([[True], moved])]
         return ArmPlan(ArmPlanStatus.SOLVED, path, int(open_goals[goal]), int(checks[0]))

@@ -13,13 +13,6 @@ _STEP = 0.25
 
 
 @njit(cache=True)
-def _uniform(state: IntArray) -> float:
-    """A number in [0, 1) from a splitmix-like generator whose state is passed along."""
-    state[0] = (state[0] * 6364136223846793005 + 1442695040888963407) & 0x7FFFFFFFFFFFFFFF
-    return (state[0] >> 11) / 4503599627370496.0
-
-
-@njit(cache=True)
 def _nearest(chain: ChainArrays, nodes: Array, count: int, q: Array) -> int:
     best, least = 0, np.inf
     for n in range(count):
@@ -77,7 +70,7 @@ def connect(
     goals: Array,
     low: Array,
     high: Array,
-    seed: int,
+    rng: np.random.Generator,
     max_checks: int,
     checks: IntArray,
 ) -> tuple[Array, int]:
@@ -94,7 +87,6 @@ def connect(
     nodes[1, :roots] = goals
     R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
     near = np.empty(w.centre.shape[0], dtype=np.int64)
-    state = np.array([seed], dtype=np.int64)
     q = np.empty(dof)
     grow = 0
     first = True
@@ -106,7 +98,7 @@ def connect(
             first = False
         else:
             for j in range(dof):
-                q[j] = low[j] + _uniform(state) * (high[j] - low[j])
+                q[j] = low[j] + rng.random() * (high[j] - low[j])
         near_node = _nearest(chain, nodes[grow], counts[grow], q)
         before = counts[grow]
         counts[grow], _ = _extend(
@@ -164,14 +156,13 @@ def shortcut(
     w: WorldArrays,
     path: Array,
     tries: int,
-    seed: int,
+    rng: np.random.Generator,
     checks: IntArray,
 ) -> Array:
     """The path with stretches replaced by straight free edges, ``tries`` times at random."""
     dof = path.shape[1]
     R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
     near = np.empty(w.centre.shape[0], dtype=np.int64)
-    state = np.array([seed], dtype=np.int64)
     # Each success adds at most two corners.
     room = path.shape[0] + 2 * tries
     current, fresh = np.empty((room, dof)), np.empty((room, dof))
@@ -181,7 +172,7 @@ def shortcut(
     for _ in range(tries):
         if count < 3:
             break
-        first, second = _uniform(state) * (count - 1), _uniform(state) * (count - 1)
+        first, second = rng.random() * (count - 1), rng.random() * (count - 1)
         u, v = min(first, second), max(first, second)
         i, j = min(int(u), count - 2), min(int(v), count - 2)
         if i == j:
