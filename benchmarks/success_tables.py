@@ -119,9 +119,9 @@ def quantile(ordered: Sequence[float], share: float) -> float | None:
     return ordered[low] + (place - low) * (ordered[high] - ordered[low])
 
 
-def markdown(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
+def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A Markdown table, padded so that it reads well as text, too."""
-    table = [list(header), *map(list, lines)]
+    table = [list(header), *map(list, rows)]
     widths = [max(len(line[i]) for line in table) for i in range(len(header))]
     rows = [
         "| " + " | ".join(c.ljust(w) for c, w in zip(t, widths, strict=True)) + " |" for t in table

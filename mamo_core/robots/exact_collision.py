@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -124,7 +126,9 @@ def _geometry(fcl: Any, shape: Shape) -> Any:
     return fcl.Cylinder(shape.radius, shape.height)
 
 
-def _mesh(path: Any) -> Any:
+@cache
+def _mesh(path: Path) -> Any:
+    """The mesh as a tree; built once, it never changes."""
     import fcl
     import trimesh
 

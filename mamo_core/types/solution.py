@@ -60,7 +60,8 @@ class Statistics:
 
     def failed(self, subject: str, action: str, cause: str, times: int = 1) -> None:
         """Count a failure by its cause."""
-        self.causes[f"{subject}/{action}/{cause}"] += times
+        if times:
+            self.causes[f"{subject}/{action}/{cause}"] += times
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -117,34 +116,6 @@ def sphere_arrays(arm: ArmModel, opening: float) -> SphereArrays:
             carrier = arm.links[arm.tool_link].coordinate
             groups[carrier].append(_moved(link.spheres, fingers[number]))
     members = [_split(np.vstack(group)) for group in groups]
-    return _packed(members, -1.0)
-
-
-def with_held(
-    bare: SphereArrays, cover: list[Array], T_link_object: Array, max_tilt: float
-) -> SphereArrays:
-    """``bare`` with a held object, whose clusters are ``cover``, at ``T_link_object`` (4, 4).
-
-    ``max_tilt``: largest angle (rad) between the tool's z axis and up while it holds.
-    """
-    starts = bare.cluster_start
-    clusters = [bare.spheres[a:b] for a, b in pairwise(starts)]
-    members = [clusters[a:b] for a, b in pairwise(bare.link_start)]
-    members[-1] = [*members[-1], *(_moved(part, T_link_object) for part in cover)]
-    return _packed(members, float(np.cos(max_tilt)))
-
-
-def held_cover(shape: Shape) -> list[Array]:
-    """Clusters of spheres covering a held object, in its own frame."""
-    return _split(shape_spheres(shape, _HELD_CELL))
-
-
-def _moved(spheres: Array, T: Array) -> Array:
-    return np.column_stack([spheres[:, :3] @ T[:3, :3].T + T[:3, 3], spheres[:, 3]])
-
-
-def _packed(members: list[list[Array]], min_tool_up: float) -> SphereArrays:
-    """Clusters by link as flat arrays."""
     clusters = [cluster for group in members for cluster in group]
     return SphereArrays(
         np.vstack(clusters),
@@ -152,8 +123,52 @@ def _packed(members: list[list[Array]], min_tool_up: float) -> SphereArrays:
         np.cumsum([0, *(len(cluster) for cluster in clusters)], dtype=np.int64),
         np.array([_bounding(np.vstack(group)) if group else np.zeros(4) for group in members]),
         np.cumsum([0, *(len(group) for group in members)], dtype=np.int64),
-        min_tool_up,
+        -1.0,
     )
+
+
+class Cover(NamedTuple):
+    """Spheres (k, 4) of a held object in its own frame, in clusters (c, 4) of ``sizes`` (c,)."""
+
+    spheres: Array
+    clusters: Array
+    sizes: IntArray
+
+
+def held_cover(shape: Shape) -> Cover:
+    """The cover of a held object."""
+    parts = _split(shape_spheres(shape, _HELD_CELL))
+    return Cover(
+        np.vstack(parts),
+        np.array([_bounding(part) for part in parts]),
+        np.array([len(part) for part in parts], dtype=np.int64),
+    )
+
+
+def with_held(
+    bare: SphereArrays, cover: Cover, T_link_object: Array, max_tilt: float
+) -> SphereArrays:
+    """``bare`` with a held object at ``T_link_object`` (4, 4) in the last link.
+
+    ``max_tilt``: largest angle (rad) between the tool's z axis and up while it holds.
+    """
+    clusters = _moved(cover.clusters, T_link_object)
+    links = bare.links.copy()
+    links[-1] = _bounding(np.vstack([links[-1:], clusters]))
+    link_start = bare.link_start.copy()
+    link_start[-1] += len(clusters)
+    return SphereArrays(
+        np.vstack([bare.spheres, _moved(cover.spheres, T_link_object)]),
+        np.vstack([bare.clusters, clusters]),
+        np.concatenate([bare.cluster_start, bare.cluster_start[-1] + np.cumsum(cover.sizes)]),
+        links,
+        link_start,
+        float(np.cos(max_tilt)),
+    )
+
+
+def _moved(spheres: Array, T: Array) -> Array:
+    return np.column_stack([spheres[:, :3] @ T[:3, :3].T + T[:3, 3], spheres[:, 3]])
 
 
 def _split(spheres: Array) -> list[Array]:

@@ -13,6 +13,7 @@ from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import Scene
 from mamo_geometry.arrays import (
     ChainArrays,
+    Cover,
     SphereArrays,
     WorldArrays,
     chain_arrays,
@@ -50,7 +51,7 @@ class SphereChecker(CollisionChecker):
         self._scene, self._arm, self._options = scene, arm, options
         self._chain = chain_arrays(arm, matrix_from_pose(scene.T_world_base))
         self._bare: dict[float, SphereArrays] = {}
-        self._covers: dict[str, list[Array]] = {}
+        self._covers: dict[str, Cover] = {}
 
     def world(
         self,

@@ -132,7 +132,7 @@ class Engine:
         self._hold(segment.held)
         trajectory = segment.trajectory
         count = int(np.ceil(trajectory.duration / self._step - 1e-9))
-        times: Array = np.arange(1, count + 1) * self._step
+        times = np.arange(1, count + 1, dtype=np.float64) * self._step
         positions = trajectory.at(times)
         before = np.vstack([trajectory.positions[:1], positions[:-1]])
         targets = positions + self._lead * (positions - before) / self._step

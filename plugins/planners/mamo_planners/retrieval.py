@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mamo_core.interfaces.arm_planner import ArmPlanner
-from mamo_core.interfaces.collision_checker import CollisionChecker, HeldObject
+from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld, HeldObject
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.interfaces.retrieval import Retrieval, RetrievalPlanner
 from mamo_core.robots.model import ArmModel
@@ -113,6 +113,7 @@ class GraspAndExtract(RetrievalPlanner):
     def _find_candidates(self) -> list[_Candidate]:
         rng = np.random.default_rng(_CANDIDATE_SEED)
         poses = self._problem.initial.object_poses
+        worlds: dict[float, CollisionWorld] = {}
         found = []
         for number, grasp in enumerate(self._problem.grasps):
             if grasp.opening > self._arm.gripper.max_opening:
@@ -125,8 +126,13 @@ class GraspAndExtract(RetrievalPlanner):
             solutions = self._kinematics.inverse(T_grasp, rng, count=self._options.branches)
             if not len(solutions):
                 self._static_causes["grasp_no_ik"] += 1
+            if grasp.opening not in worlds:
+                worlds[grasp.opening] = self._collision.world(
+                    poses, opening=grasp.opening, ignore=[self._target.name, *self._movables]
+                )
+            world = worlds[grasp.opening]
             for q in solutions:
-                candidate = self._candidate(number, grasp, q, poses)
+                candidate = self._candidate(number, grasp, q, poses, world)
                 if candidate is not None:
                     found.append(candidate)
         return found
@@ -141,10 +147,9 @@ class GraspAndExtract(RetrievalPlanner):
         length += float(np.linalg.norm(self._arm.T_link_tool[:3, 3]))
         return bool(np.linalg.norm(T_grasp[:3, 3] - root) <= length)
 
-    def _candidate(self, number: int, grasp: Grasp, q: Array, poses: Array) -> _Candidate | None:
-        world = self._collision.world(
-            poses, opening=grasp.opening, ignore=[self._target.name, *self._movables]
-        )
+    def _candidate(
+        self, number: int, grasp: Grasp, q: Array, poses: Array, world: CollisionWorld
+    ) -> _Candidate | None:
         if not world.free(q)[0]:
             self._static_causes["grasp_in_collision"] += 1
             return None
@@ -180,11 +185,15 @@ class GraspAndExtract(RetrievalPlanner):
 
     def _unblocked(self, state: SceneState, candidates: list[_Candidate]) -> list[_Candidate]:
         """Candidates whose reach and lifted pose are free among the objects of ``state``."""
+        worlds = {
+            opening: self._collision.world(
+                state.object_poses, opening=opening, ignore=[self._target.name]
+            )
+            for opening in {candidate.grasp.opening for candidate in candidates}
+        }
         usable = []
         for candidate in candidates:
-            world = self._collision.world(
-                state.object_poses, opening=candidate.grasp.opening, ignore=[self._target.name]
-            )
+            world = worlds[candidate.grasp.opening]
             if world.free(candidate.reach).all() and world.free(candidate.lift[-1])[0]:
                 usable.append(candidate)
         return usable

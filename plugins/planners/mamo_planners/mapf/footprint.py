@@ -8,8 +8,8 @@ footprint is valid for the object.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from math import atan2, cos, hypot, sin, sqrt
+from dataclasses import dataclass
+from math import atan2, cos, hypot, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -26,15 +26,13 @@ LEVEL = 1e-9
 class Footprint:
     """``points`` (k, 2) relative to the pose's xy and ``radius`` around their hull, metres.
 
-    ``bottom`` and ``top``: heights (m, world) between which the object stands. ``corner``: how
-    far (in units of a growth) the corners move when the shape grows: sqrt(2) for boxes.
+    ``bottom`` and ``top``: heights (m, world) between which the object stands.
     """
 
     points: Array
     radius: float
     bottom: float
     top: float
-    corner: float = 1.0
 
     def lower(self) -> Array:
         """Least x and y (2,), relative to the pose, metres."""
@@ -65,11 +63,11 @@ def _box(shape: Box, z: float, yaw: float, rotation: Array | None) -> Footprint:
     corners = [(hx, hy), (-hx, hy), (-hx, -hy), (hx, -hy)]
     points = np.array([(c * u - s * v, s * u + c * v) for u, v in corners])
     if rotation is None:
-        return Footprint(points, 0.0, z - hz, z + hz, sqrt(2.0))
+        return Footprint(points, 0.0, z - hz, z + hz)
     signs = np.array([[a, b, c] for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)])
     points = np.concatenate([points, (signs * shape.size / 2.0) @ rotation[:2].T])
     reach_z = max(hz, float(np.abs(rotation[2]) @ shape.size) / 2.0)
-    return Footprint(hull(points, len(points)), 0.0, z - reach_z, z + reach_z, sqrt(2.0))
+    return Footprint(hull(points, len(points)), 0.0, z - reach_z, z + reach_z)
 
 
 def _cylinder(shape: Cylinder, z: float, rotation: Array | None) -> Footprint:
@@ -83,12 +81,11 @@ def _cylinder(shape: Cylinder, z: float, rotation: Array | None) -> Footprint:
     return Footprint(ends, shape.radius, z - reach_z, z + reach_z)
 
 
-def grown(footprint: Footprint, amount: float) -> Footprint:
-    """A footprint that holds the object's when ``Box`` sides or ``Cylinder`` radius grow.
-
-    ``amount`` (m) is what each side grows by; a box's corners then move by sqrt(2) of it.
-    """
-    return replace(footprint, radius=footprint.radius + amount * footprint.corner)
+def grown(shape: Shape, amount: float) -> Shape:
+    """The shape ``amount`` (m) wider on every side, as high as before."""
+    if isinstance(shape, Box):
+        return Box(shape.size + np.array([2.0 * amount, 2.0 * amount, 0.0]))
+    return Cylinder(shape.radius + amount, shape.height)
 
 
 class FootprintArrays(NamedTuple):

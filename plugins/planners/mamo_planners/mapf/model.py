@@ -118,7 +118,7 @@ def _goal_map(
     region = problem.region
     step = problem.resolution
     outline = model.footprints[index]
-    wide = grown(outline, problem.goal_margin)
+    wide = footprint_of(grown(agent.shape, problem.goal_margin), agent.pose)
     inside = cells_inside(
         agent.pose[:2],
         wide.points,

@@ -1,0 +1,1 @@
+"""What ``micro.py`` measures, a module for each part."""
