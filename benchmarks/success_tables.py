@@ -121,13 +121,16 @@ def quantile(ordered: Sequence[float], share: float) -> float | None:
 
 def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A Markdown table, padded so that it reads well as text, too."""
-    table = [list(header), *map(list, rows)]
+    table: list[Sequence[str]] = [header, *rows]
     widths = [max(len(line[i]) for line in table) for i in range(len(header))]
-    rows = [
-        "| " + " | ".join(c.ljust(w) for c, w in zip(t, widths, strict=True)) + " |" for t in table
-    ]
+    lines = [_cells(line, widths) for line in table]
     rule = "|" + "|".join("-" * (width + 2) for width in widths) + "|"
-    return "\n".join([rows[0], rule, *rows[1:]])
+    return "\n".join([lines[0], rule, *lines[1:]])
+
+
+def _cells(line: Sequence[str], widths: Sequence[int]) -> str:
+    padded = [cell.ljust(width) for cell, width in zip(line, widths, strict=True)]
+    return f"| {' | '.join(padded)} |"
 
 
 def _mean(values: Iterable[float]) -> str:

@@ -16,7 +16,7 @@ from mamo_core.types.geometry import Array, matrix_from_pose
 from measures.common import Measured, cpu_seconds, shelves
 
 MOVABLES = 10
-QUERIES = 120
+QUERIES = 60
 GOALS = 30
 
 

@@ -78,7 +78,7 @@ PR2_RIGHT_ARM = ArmSpec(
         "r_elbow_flex_joint": 0.03,
         "r_forearm_roll_joint": 0.02,
         "r_wrist_flex_joint": 0.018,
-        "r_wrist_roll_joint": 0.012,
+        "r_wrist_roll_joint": 0.014,
     },
     locked={"torso_lift_joint": 0.1},
     body_links=("base_link", "torso_lift_link"),
@@ -101,12 +101,12 @@ PANDA = ArmSpec(
         "panda_joint4": 0.03,
         "panda_joint5": 0.025,
         "panda_joint6": 0.02,
-        "panda_joint7": 0.012,
+        "panda_joint7": 0.014,
     },
     body_links=("panda_link0",),
 )
 
-FINGER_COVER_SLACK = 0.008
+FINGER_COVER_SLACK = 0.01
 """Slack of the sphere cover on fingers, m: they work close to things."""
 
 SPECS: Mapping[str, ArmSpec] = {spec.name: spec for spec in (PR2_RIGHT_ARM, PANDA)}

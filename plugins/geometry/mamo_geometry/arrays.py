@@ -12,7 +12,7 @@ from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array, Box, IntArray, Shape, matrix_from_pose
 from mamo_core.types.scene import Scene
 
-_CLUSTER_SIZE = 6
+_CLUSTER_SIZE = 24
 _HELD_CELL = 0.012
 
 
@@ -55,21 +55,24 @@ class SphereArrays(NamedTuple):
 class WorldArrays(NamedTuple):
     """Primitives: ``centre`` (p, 3), ``rotation`` (p, 3, 3), ``half`` (p, 3), ``round`` (p,).
 
-    A cylinder has ``round`` 1 and half = radius, radius, half height. ``bound`` (p,): bounding
-    radius. ``first_link`` (p,): earlier links are not checked. The first ``fixed`` primitives are
-    large; the rest lie within ``lower``..``upper`` (3,).
+    A cylinder has ``round`` 1 and half = radius, radius, half height. ``low``, ``high`` (p, 3):
+    axis-aligned bounds. ``first_link`` (p,): earlier links are not checked. The first ``fixed``
+    primitives are large; the rest lie within ``lower``..``upper`` (3,). ``active_from``: links
+    before this one are too short to reach anything.
     """
 
     centre: Array
     rotation: Array
     half: Array
     round: IntArray
-    bound: Array
+    low: Array
+    high: Array
     first_link: IntArray
     fixed: int
     lower: Array
     upper: Array
     margin: float
+    active_from: int
 
 
 def chain_arrays(arm: ArmModel, T_world_base: Array) -> ChainArrays:
@@ -236,21 +239,54 @@ def world_arrays(
     ]
     half = np.array([_half_extents(shape) for _, shape, _ in items]).reshape(-1, 3)
     centre = np.array([T[:3, 3] for T, _, _ in items]).reshape(-1, 3)
-    bound = np.array([np.hypot(s.footprint_radius, s.height / 2.0) for _, s, _ in items])
+    rotation = np.array([T[:3, :3] for T, _, _ in items]).reshape(-1, 3, 3)
+    spread = np.einsum("pij,pj->pi", np.abs(rotation), half)
+    low, high = centre - spread, centre + spread
     loose = slice(fixed, None)
     empty = len(items) == fixed
     return WorldArrays(
         centre,
-        np.array([T[:3, :3] for T, _, _ in items]).reshape(-1, 3, 3),
+        rotation,
         half,
         np.array([0 if isinstance(s, Box) else 1 for _, s, _ in items], dtype=np.int64),
-        bound,
+        low,
+        high,
         np.array([first for _, _, first in items], dtype=np.int64),
         fixed,
-        np.zeros(3) if empty else (centre[loose] - bound[loose, None]).min(axis=0),
-        np.zeros(3) if empty else (centre[loose] + bound[loose, None]).max(axis=0),
+        np.zeros(3) if empty else low[loose].min(axis=0),
+        np.zeros(3) if empty else high[loose].max(axis=0),
         margin,
+        _first_active(arm, T_world_base, low, high, [first for _, _, first in items], margin),
     )
+
+
+def _first_active(
+    arm: ArmModel,
+    T_world_base: Array,
+    low: Array,
+    high: Array,
+    first_links: list[int],
+    margin: float,
+) -> int:
+    """The first link that, stretched out from the first joint, could touch what it is checked for.
+
+    Only for arms that turn: a slide moves its root, so nothing is skipped there.
+    """
+    links = [link for link in arm.links if link.coordinate >= 0]
+    if any(link.prismatic for link in links):
+        return 0
+    root = (T_world_base @ links[0].T_parent_joint)[:3, 3]
+    gaps = np.linalg.norm(np.maximum(np.maximum(low - root, root - high), 0.0), axis=1)
+    stretch = 0.0
+    for number, link in enumerate(links):
+        if number:
+            stretch += float(np.linalg.norm(link.T_parent_joint[:3, 3]))
+        own = np.linalg.norm(link.spheres[:, :3], axis=1) + link.spheres[:, 3]
+        reach = stretch + float(own.max(initial=0.0)) + margin
+        near = [g for g, first in zip(gaps, first_links, strict=True) if first <= number]
+        if number == len(links) - 1 or any(gap <= reach for gap in near):
+            return number
+    return 0
 
 
 def _half_extents(shape: Shape) -> Array:

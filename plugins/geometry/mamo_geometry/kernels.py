@@ -55,10 +55,16 @@ def _place(R: Array, p: Array, i: int, s: Array, k: int) -> tuple[float, float, 
 @njit(cache=True, fastmath=True)
 def _near(w: WorldArrays, k: int, x: float, y: float, z: float, r: float) -> bool:
     """Whether a ball reaches primitive ``k``."""
-    dx, dy, dz = x - w.centre[k, 0], y - w.centre[k, 1], z - w.centre[k, 2]
-    reach = r + w.bound[k]
-    if dx * dx + dy * dy + dz * dz > reach * reach:
+    if (
+        x + r < w.low[k, 0]
+        or x - r > w.high[k, 0]
+        or y + r < w.low[k, 1]
+        or y - r > w.high[k, 1]
+        or z + r < w.low[k, 2]
+        or z - r > w.high[k, 2]
+    ):
         return False
+    dx, dy, dz = x - w.centre[k, 0], y - w.centre[k, 1], z - w.centre[k, 2]
     lx = w.rotation[k, 0, 0] * dx + w.rotation[k, 1, 0] * dy + w.rotation[k, 2, 0] * dz
     ly = w.rotation[k, 0, 1] * dx + w.rotation[k, 1, 1] * dy + w.rotation[k, 2, 1] * dz
     lz = w.rotation[k, 0, 2] * dx + w.rotation[k, 1, 2] * dy + w.rotation[k, 2, 2] * dz
@@ -138,7 +144,7 @@ def is_free(
         if up < s.min_tool_up:
             return False
     # The hand is the likeliest to touch something: from the last link to the first.
-    for back in range(q.shape[0]):
+    for back in range(q.shape[0] - w.active_from):
         i = last - back
         x, y, z = _place(R, p, i, s.links, i)
         count = _shortlist(w, i, x, y, z, s.links[i, 3] + w.margin, near)

@@ -53,6 +53,9 @@ class GreedyOptions(Options):
     )
     max_actions: int = Field(25, ge=1, description="actions of one attempt")
     attempts: int = Field(1000, ge=1, description="restarts from the initial scene")
+    hopeless_attempts: int = Field(
+        6, ge=1, description="attempts without any retrieval, movables ignored, before giving up"
+    )
     goal_margin: float = Field(0.015, ge=0.0, description="distance of MAPF goals to the NGR, m")
     mapf_nodes: int = Field(300, ge=1, description="high-level nodes per MAPF call")
     mapf_expansions: int = Field(300_000, ge=1, description="low-level expansions per MAPF call")

@@ -207,4 +207,4 @@ def test_two_agents_cost_the_joint_optimum(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_three_agents_cost_the_joint_optimum(seed: int) -> None:
-    check(random_problem(np.random.default_rng(1_000 + seed), 3, (4, 3)))
+    check(random_problem(np.random.default_rng(1_000 + seed), 3, (6, 4)))

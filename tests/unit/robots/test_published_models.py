@@ -171,9 +171,11 @@ def test_the_gap_between_the_fingers_is_the_opening(name, opening):
     for number, T in finger_transforms(arm.links, arm.gripper.drive(opening)).items():
         for hull in hulls_of(arm.links[number]):
             hull.apply_transform(T_tool_link @ T)
-            front = hull.slice_plane([-arm.gripper.depth, 0, 0], [1, 0, 0])
-            if len(front.vertices):
-                sides.append(front.vertices[:, 1])
+            plane = [1.0, 0.0, 0.0], [-arm.gripper.depth, 0.0, 0.0]
+            cut = trimesh.intersections.mesh_plane(hull, *plane).reshape(-1, 3)
+            front = hull.vertices[hull.vertices[:, 0] >= -arm.gripper.depth]
+            if len(front) + len(cut):
+                sides.append(np.concatenate([front[:, 1], cut[:, 1]]))
     gap = min(y.min() for y in sides if y.mean() > 0) - max(y.max() for y in sides if y.mean() < 0)
     # Between the rows of the table the gap is interpolated.
     assert gap == pytest.approx(opening, abs=1e-3)

@@ -53,6 +53,7 @@ class GreedySearch(SearchStrategy):
         self, budget: Budget, rng: np.random.Generator, progress: ProgressCallback
     ) -> Solution:
         statistics = Statistics()
+        hopeless = 0
         for number in range(self._options.attempts):
             progress(f"attempt {number + 1}")
             statistics.counts["attempts"] += 1
@@ -60,7 +61,8 @@ class GreedySearch(SearchStrategy):
             plan = attempt.run()
             if plan is not None:
                 return Solution(SolutionStatus.SOLVED, plan, statistics)
-            if attempt.hopeless:
+            hopeless += attempt.hopeless
+            if hopeless >= self._options.hopeless_attempts:
                 return self._no_retrieval(statistics)
             if budget.exhausted:
                 break
