@@ -74,12 +74,11 @@ def measure_all() -> tuple[dict[str, float], dict[str, str]]:
     from measures import arm, collision, mapf, push, startup
 
     from mamo_core.plugins import discover
-    from mamo_core.warmup import warm_up_steps
+    from mamo_core.warmup import warm_up
 
     registry = discover()
-    for step in warm_up_steps(registry):
-        _tell(f"warm-up: {step.name}")
-        step.run()
+    for piece in warm_up(registry):
+        _tell(f"warm-up: {piece}")
     parts: tuple[tuple[str, Callable[[], Any]], ...] = (
         ("collision checks", lambda: collision.measure(registry)),
         ("arm planning", lambda: arm.measure(registry)),

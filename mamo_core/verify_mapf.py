@@ -241,15 +241,23 @@ def _gap(first: _Outline, at: Array, second: _Outline, there: Array) -> float:
     a, b = first.corners + at, second.corners + there
     radius = first.radius + second.radius
     separation = max(_least_separation(a, b), _least_separation(b, a))
-    # With no area in either (two round ones), or apart: edges tell the distance.
-    if separation > 0.0 or (len(a) < 3 and len(b) < 3):
+    # Apart, or without depth (points and parallel lines): edges tell the distance.
+    if separation > 0.0 or _flat(a, b):
         return _edge_distance(a, b) - radius
     return separation - radius
 
 
+def _flat(a: Array, b: Array) -> bool:
+    """Whether the shapes can only touch: points, a point and a line, parallel lines."""
+    if len(a) > 2 or len(b) > 2:
+        return False
+    along, other = a[-1] - a[0], b[-1] - b[0]
+    return bool(abs(along[0] * other[1] - along[1] * other[0]) < 1e-15)
+
+
 def _least_separation(a: Array, b: Array) -> float:
     """Largest gap between the shapes along the outward normals of ``a`` (k, 2)."""
-    if len(a) < 3:
+    if len(a) == 1:
         return -np.inf
     edges = np.roll(a, -1, axis=0) - a
     normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1)

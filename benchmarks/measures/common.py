@@ -17,7 +17,7 @@ from mamo_core.recipes import DEFAULT_RECIPE
 from mamo_core.types.region import SweptRegion
 
 FIRST_SEED = 1000
-"""Seeds of the generated shelves; nothing was tuned on these."""
+"""Seeds of the generated shelves: this one and those after it."""
 
 
 @dataclass(frozen=True)

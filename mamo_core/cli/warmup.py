@@ -14,13 +14,13 @@ def warmup() -> None:
 
     from mamo_core.cli.output import progress, warn_of_broken_plugins
     from mamo_core.plugins import discover
-    from mamo_core.warmup import warm_up_steps
+    from mamo_core.warmup import warm_up
 
     registry = discover()
     warn_of_broken_plugins(registry)
     started = time.monotonic()
     with progress() as tell:
-        for step in warm_up_steps(registry):
-            tell(step.name)
-            step.run()
+        tell("building robots and compiling kernels")
+        for piece in warm_up(registry):
+            tell(f"{piece} is ready")
     typer.echo(f"ready after {time.monotonic() - started:.1f} s")

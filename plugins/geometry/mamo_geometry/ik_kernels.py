@@ -18,7 +18,7 @@ _LONGEST_STEP = 0.3
 _JUMP = 0.25
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def tool_frame(chain: ChainArrays, q: Array, R: Array, p: Array, T: Array) -> None:
     """Tool frame ``T`` (3, 4) in the world at ``q``; ``R``, ``p`` receive the link frames."""
     link_frames(chain, q, R, p)
@@ -31,7 +31,7 @@ def tool_frame(chain: ChainArrays, q: Array, R: Array, p: Array, T: Array) -> No
             T[row, col] = value
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def fill_jacobian(chain: ChainArrays, R: Array, p: Array, T: Array, J: Array) -> None:
     """Geometric Jacobian ``J`` (6, dof) of the tool origin: linear rows, then angular ones."""
     for j in range(J.shape[1]):
@@ -50,7 +50,7 @@ def fill_jacobian(chain: ChainArrays, R: Array, p: Array, T: Array, J: Array) ->
         J[3, j], J[4, j], J[5, j] = ax, ay, az
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def rotation_vector(W: Array, out: Array) -> None:
     """Rotation vector (3,) of a rotation matrix (3, 3)."""
     x, y, z = W[2, 1] - W[1, 2], W[0, 2] - W[2, 0], W[1, 0] - W[0, 1]
@@ -75,7 +75,7 @@ def rotation_vector(W: Array, out: Array) -> None:
             out[i] = np.pi * 0.5 * entry / length
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _tool_error(T: Array, goal: Array, W: Array, w: Array, e: Array) -> None:
     """Position and rotation error (6,) from the tool frame to the goal, in the world."""
     for i in range(3):
@@ -89,7 +89,7 @@ def _tool_error(T: Array, goal: Array, W: Array, w: Array, e: Array) -> None:
     e[3], e[4], e[5] = w[0], w[1], w[2]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _solve6(M: Array, e: Array) -> None:
     """Solve M x = e in place for a symmetric positive definite M (6, 6), by Cholesky."""
     for i in range(6):
@@ -112,7 +112,7 @@ def _solve6(M: Array, e: Array) -> None:
         e[i] /= M[i, i]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def descend(chain: ChainArrays, q: Array, goal: Array) -> bool:
     """Move ``q`` (dof,) until the tool is at ``goal`` (3, 4); False if that fails."""
     dof = q.shape[0]
@@ -155,21 +155,20 @@ def descend(chain: ChainArrays, q: Array, goal: Array) -> bool:
     return False
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def inverse_batch(
-    chain: ChainArrays, goal: Array, seeds: Array, home: Array, apart: float, wanted: int
-) -> Array:
-    """Distinct solutions (k, dof), k <= ``wanted``, found from ``seeds`` (m, dof) in their order.
+    chain: ChainArrays, goal: Array, seeds: Array, home: Array, apart: float, found: Array
+) -> int:
+    """Fill ``found`` (wanted, dof) with distinct solutions from ``seeds`` (m, dof) in their order.
 
     Turns of joints with more than a full range are brought next to ``home`` (dof,). Solutions
-    closer than ``apart`` (rad, any joint) to an earlier one are dropped.
+    closer than ``apart`` (rad, every joint) to an earlier one are dropped. Returns their number.
     """
     dof = home.shape[0]
-    found = np.empty((wanted, dof))
     count = 0
     q = np.empty(dof)
     for n in range(seeds.shape[0]):
-        q[:] = seeds[n]
+        copy_row(seeds, n, q)
         if not descend(chain, q, goal):
             continue
         for j in range(dof):
@@ -177,56 +176,73 @@ def inverse_batch(
                 q[j] -= 2.0 * np.pi * np.round((q[j] - home[j]) / (2.0 * np.pi))
         fresh = True
         for k in range(count):
-            if np.abs(found[k] - q).max() < apart:
+            if row_gap(found, k, q) < apart:
                 fresh = False
                 break
         if fresh:
-            found[count] = q
+            for j in range(dof):
+                found[count, j] = q[j]
             count += 1
-            if count == wanted:
+            if count == found.shape[0]:
                 break
-    return found[:count]
+    return count
 
 
-@njit(cache=True)
-def line_path(chain: ChainArrays, start: Array, goal: Array, steps: int) -> Array:
-    """Configurations (k, dof) that move the tool evenly from ``start`` to ``goal`` (3, 4).
+# Slices and whole-array expressions would read better here and below, but each one adds a second
+# to the compilation; loops do not.
 
-    k = 1 + the number of the ``steps`` that could be followed without a jump.
+
+@njit(cache=True, error_model="numpy")
+def copy_row(rows: Array, n: int, q: Array) -> None:
+    """Write row ``n`` into ``q``."""
+    for j in range(q.shape[0]):
+        q[j] = rows[n, j]
+
+
+@njit(cache=True, error_model="numpy")
+def row_gap(rows: Array, n: int, q: Array) -> float:
+    """Largest difference between row ``n`` and ``q``."""
+    gap = 0.0
+    for j in range(q.shape[0]):
+        gap = max(gap, abs(rows[n, j] - q[j]))
+    return gap
+
+
+@njit(cache=True, error_model="numpy")
+def line_path(chain: ChainArrays, start: Array, goal: Array, path: Array) -> int:
+    """Fill ``path`` (steps + 1, dof): the tool moves evenly from ``start`` to ``goal`` (3, 4).
+
+    Returns how many rows could be filled before a step failed or jumped.
     """
-    dof = start.shape[0]
+    dof, steps = start.shape[0], path.shape[0] - 1
     R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
     T0, T = np.empty((3, 4)), np.empty((3, 4))
     W, w, e = np.empty((3, 3)), np.empty(3), np.empty(6)
     tool_frame(chain, start, R, p, T0)
     _tool_error(T0, goal, W, w, e)
-    path = np.empty((steps + 1, dof))
-    path[0] = start
     q = start.copy()
+    for j in range(dof):
+        path[0, j] = q[j]
     for n in range(1, steps + 1):
-        fraction = n / steps
-        _turned(T0, e, fraction, T)
-        if not descend(chain, q, T) or np.abs(q - path[n - 1]).max() > _JUMP:
-            return path[:n]
-        path[n] = q
-    return path
+        _turned(T0, e, n / steps, W, T)
+        if not descend(chain, q, T) or row_gap(path, n - 1, q) > _JUMP:
+            return n
+        for j in range(dof):
+            path[n, j] = q[j]
+    return steps + 1
 
 
-@njit(cache=True)
-def _turned(T0: Array, e: Array, fraction: float, T: Array) -> None:
+@njit(cache=True, error_model="numpy")
+def _turned(T0: Array, e: Array, fraction: float, Q: Array, T: Array) -> None:
     """``T0`` moved by ``fraction`` of the displacement and rotation vector ``e`` (6,)."""
     x, y, z = fraction * e[3], fraction * e[4], fraction * e[5]
     angle = np.sqrt(x * x + y * y + z * z)
     if angle > 1e-12:
         x, y, z = x / angle, y / angle, z / angle
     s, c = np.sin(angle), 1.0 - np.cos(angle)
-    Q = np.array(
-        [
-            [1.0 - c * (y * y + z * z), c * x * y - s * z, c * x * z + s * y],
-            [c * x * y + s * z, 1.0 - c * (x * x + z * z), c * y * z - s * x],
-            [c * x * z - s * y, c * y * z + s * x, 1.0 - c * (x * x + y * y)],
-        ]
-    )
+    Q[0, 0], Q[0, 1], Q[0, 2] = 1.0 - c * (y * y + z * z), c * x * y - s * z, c * x * z + s * y
+    Q[1, 0], Q[1, 1], Q[1, 2] = c * x * y + s * z, 1.0 - c * (x * x + z * z), c * y * z - s * x
+    Q[2, 0], Q[2, 1], Q[2, 2] = c * x * z - s * y, c * y * z + s * x, 1.0 - c * (x * x + y * y)
     for i in range(3):
         T[i, 3] = T0[i, 3] + fraction * e[i]
         for j in range(3):

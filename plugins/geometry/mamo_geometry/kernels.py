@@ -12,7 +12,7 @@ EDGE_STEP = 0.02
 """An edge is checked every so many metres that its furthest moving point may travel."""
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True, fastmath=True, error_model="numpy")
 def link_frames(chain: ChainArrays, q: Array, R: Array, p: Array) -> None:
     """World rotations ``R`` (dof, 3, 3) and origins ``p`` (dof, 3) of all links at ``q``."""
     for i in range(q.shape[0]):
@@ -43,7 +43,7 @@ def link_frames(chain: ChainArrays, q: Array, R: Array, p: Array) -> None:
                 )
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True, fastmath=True, error_model="numpy")
 def _place(R: Array, p: Array, i: int, s: Array, k: int) -> tuple[float, float, float]:
     """Sphere ``k`` of ``s``, given in link ``i``, in the world."""
     x = p[i, 0] + R[i, 0, 0] * s[k, 0] + R[i, 0, 1] * s[k, 1] + R[i, 0, 2] * s[k, 2]
@@ -52,7 +52,7 @@ def _place(R: Array, p: Array, i: int, s: Array, k: int) -> tuple[float, float, 
     return x, y, z
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True, fastmath=True, error_model="numpy")
 def _near(w: WorldArrays, k: int, x: float, y: float, z: float, r: float) -> bool:
     """Whether a ball reaches primitive ``k``."""
     if (
@@ -79,7 +79,7 @@ def _near(w: WorldArrays, k: int, x: float, y: float, z: float, r: float) -> boo
     return over_x * over_x + over_y * over_y + over_z * over_z < r * r
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True, fastmath=True, error_model="numpy")
 def _shortlist(
     w: WorldArrays, link: int, x: float, y: float, z: float, r: float, near: IntArray
 ) -> int:
@@ -105,7 +105,7 @@ def _shortlist(
     return count
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True, fastmath=True, error_model="numpy")
 def _cluster_hits(
     s: SphereArrays, w: WorldArrays, R: Array, p: Array, i: int, c: int, near: IntArray, count: int
 ) -> bool:
@@ -122,7 +122,7 @@ def _cluster_hits(
     return False
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True, fastmath=True, error_model="numpy")
 def is_free(
     chain: ChainArrays,
     s: SphereArrays,
@@ -156,7 +156,7 @@ def is_free(
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def free_batch(
     chain: ChainArrays, s: SphereArrays, w: WorldArrays, configurations: Array
 ) -> BoolArray:
@@ -170,7 +170,7 @@ def free_batch(
     return result
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def hands_free(s: SphereArrays, w: WorldArrays, last_link_frames: Array) -> BoolArray:
     """Which poses (k, 4, 4) of the last link keep it, and so the hand, clear."""
     last = s.links.shape[0] - 1
@@ -191,7 +191,7 @@ def hands_free(s: SphereArrays, w: WorldArrays, last_link_frames: Array) -> Bool
     return result
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def edge_steps(chain: ChainArrays, a: Array, b: Array) -> int:
     """Number of pieces an edge is cut into, so that nothing travels more than EDGE_STEP in one."""
     travel = 0.0
@@ -200,7 +200,7 @@ def edge_steps(chain: ChainArrays, a: Array, b: Array) -> int:
     return max(1, int(np.ceil(travel / EDGE_STEP)))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def edge_is_free(
     chain: ChainArrays,
     s: SphereArrays,
@@ -237,7 +237,7 @@ def edge_is_free(
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def edges_batch(
     chain: ChainArrays, s: SphereArrays, w: WorldArrays, starts: Array, ends: Array
 ) -> BoolArray:
@@ -254,7 +254,7 @@ def edges_batch(
     return result
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def sweep_heights(
     chain: ChainArrays,
     s: SphereArrays,
@@ -287,7 +287,7 @@ def sweep_heights(
                         _stamp(x, y, z, s.spheres[k, 3], origin, resolution, lowest)
 
 
-@njit(cache=True, fastmath=True)
+@njit(cache=True, fastmath=True, error_model="numpy")
 def _stamp(
     x: float, y: float, z: float, r: float, origin: Array, resolution: float, lowest: Array
 ) -> None:

@@ -47,7 +47,9 @@ class ChainKinematics(Kinematics):
         )
         seeds = drawn if near is None else np.vstack([near[None, :], drawn])
         goal = np.ascontiguousarray(T_world_tool[:3], dtype=np.float64)
-        return inverse_batch(self._chain, goal, seeds, self._home, self._options.apart, count)
+        found = np.empty((count, self._home.size))
+        apart = self._options.apart
+        return found[: inverse_batch(self._chain, goal, seeds, self._home, apart, found)]
 
     def follow_line(self, start: Array, T_world_end: Array, *, step: float = 0.01) -> LineResult:
         T = self.forward(start)
@@ -55,8 +57,9 @@ class ChainKinematics(Kinematics):
         turn = np.arccos(np.clip((np.trace(T[:3, :3].T @ T_world_end[:3, :3]) - 1) / 2, -1, 1))
         steps = max(1, int(np.ceil(max(length / step, turn / 0.1))))
         goal = np.ascontiguousarray(T_world_end[:3], dtype=np.float64)
-        path = line_path(self._chain, np.array(start, dtype=np.float64), goal, steps)
-        return LineResult(path, (len(path) - 1) / steps)
+        path = np.empty((steps + 1, self._home.size))
+        count = line_path(self._chain, np.array(start, dtype=np.float64), goal, path)
+        return LineResult(path[:count], (count - 1) / steps)
 
     def _frames(self, configuration: Array) -> tuple[Array, Array, Array]:
         dof = self._home.size

@@ -7,12 +7,13 @@ from numba import njit
 
 from mamo_core.types.geometry import Array, IntArray
 from mamo_geometry.arrays import ChainArrays, SphereArrays, WorldArrays
+from mamo_geometry.ik_kernels import copy_row
 from mamo_geometry.kernels import edge_is_free
 
 _STEP = 0.25
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _nearest(chain: ChainArrays, nodes: Array, count: int, q: Array) -> int:
     best, least = 0, np.inf
     for n in range(count):
@@ -25,7 +26,7 @@ def _nearest(chain: ChainArrays, nodes: Array, count: int, q: Array) -> int:
     return best
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _distance(chain: ChainArrays, a: Array, b: Array) -> float:
     total = 0.0
     for j in range(a.shape[0]):
@@ -34,7 +35,7 @@ def _distance(chain: ChainArrays, a: Array, b: Array) -> float:
     return np.sqrt(total)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _extend(
     chain: ChainArrays,
     s: SphereArrays,
@@ -61,53 +62,45 @@ def _extend(
     return count + 1, fraction == 1.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def connect(
     chain: ChainArrays,
     s: SphereArrays,
     w: WorldArrays,
-    start: Array,
-    goals: Array,
+    nodes: Array,
+    parents: IntArray,
+    roots: int,
     low: Array,
     high: Array,
     rng: np.random.Generator,
     max_checks: int,
     checks: IntArray,
-) -> tuple[Array, int]:
-    """A path (k, dof) and the number of the goal it reaches, or an empty path and -1.
+) -> tuple[int, int]:
+    """Grow the trees until they meet: the two nodes that stand in the same place, or -1, -1.
 
-    ``start`` and ``goals`` (m, dof) must be free. Samples within ``low``..``high`` (dof,).
+    ``nodes`` (2, n, dof) and ``parents`` (2, n), all -1: tree 0 starts with one node, tree 1 with
+    ``roots`` goals, all of them free. Samples within ``low``..``high`` (dof,).
     """
-    dof, roots = start.shape[0], goals.shape[0]
-    room = max_checks // 2 + roots + 16
-    nodes = np.empty((2, min(room, 60_000), dof))
-    parents = np.full((2, nodes.shape[1]), -1, dtype=np.int64)
-    counts = np.array([1, roots])
-    nodes[0, 0] = start
-    nodes[1, :roots] = goals
+    dof, room = nodes.shape[2], nodes.shape[1] - 2
+    counts = np.empty(2, dtype=np.int64)
+    counts[0], counts[1] = 1, roots
     R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
     near = np.empty(w.centre.shape[0], dtype=np.int64)
     q = np.empty(dof)
+    # Often the straight line to the nearest goal is all it takes.
+    copy_row(nodes[1], _nearest(chain, nodes[1], roots, nodes[0, 0]), q)
     grow = 0
-    first = True
-    while checks[0] < max_checks and max(counts[0], counts[1]) < nodes.shape[1] - 2:
+    while checks[0] < max_checks and max(counts[0], counts[1]) < room:
         other = 1 - grow
-        if first:
-            # Often the straight line to the nearest goal is all it takes.
-            q[:] = goals[_nearest(chain, goals, roots, start)]
-            first = False
-        else:
-            for j in range(dof):
-                q[j] = low[j] + rng.random() * (high[j] - low[j])
-        near_node = _nearest(chain, nodes[grow], counts[grow], q)
         before = counts[grow]
+        from_node = _nearest(chain, nodes[grow], before, q)
         counts[grow], _ = _extend(
-            chain, s, w, nodes[grow], parents[grow], before, near_node, q, R, p, near, checks
+            chain, s, w, nodes[grow], parents[grow], before, from_node, q, R, p, near, checks
         )
         if counts[grow] > before:
-            q[:] = nodes[grow, before]
+            copy_row(nodes[grow], before, q)
             at = _nearest(chain, nodes[other], counts[other], q)
-            while checks[0] < max_checks and counts[other] < nodes.shape[1] - 2:
+            while checks[0] < max_checks and counts[other] < room:
                 had = counts[other]
                 counts[other], met = _extend(
                     chain, s, w, nodes[other], parents[other], had, at, q, R, p, near, checks
@@ -116,64 +109,40 @@ def connect(
                     break
                 at = had
                 if met:
-                    mine, theirs = (before, at) if grow == 0 else (at, before)
-                    return _joined(nodes, parents, mine, theirs)
+                    return (before, at) if grow == 0 else (at, before)
         grow = other
-    return np.empty((0, dof)), -1
+        for j in range(dof):
+            q[j] = low[j] + rng.random() * (high[j] - low[j])
+    return -1, -1
 
 
-@njit(cache=True)
-def _joined(nodes: Array, parents: IntArray, mine: int, theirs: int) -> tuple[Array, int]:
-    """The path through start-tree node ``mine`` and goal-tree node ``theirs`` (the same place)."""
-    length = 0
-    n = mine
-    while n >= 0:
-        length += 1
-        n = parents[0, n]
-    behind = 0
-    n = parents[1, theirs]
-    while n >= 0:
-        behind += 1
-        n = parents[1, n]
-    path = np.empty((length + behind, nodes.shape[2]))
-    n, k = mine, length - 1
-    while n >= 0:
-        path[k] = nodes[0, n]
-        n, k = parents[0, n], k - 1
-    n, k = parents[1, theirs], length
-    goal = theirs
-    while n >= 0:
-        path[k] = nodes[1, n]
-        goal = n
-        n, k = parents[1, n], k + 1
-    return path, goal
-
-
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def shortcut(
     chain: ChainArrays,
     s: SphereArrays,
     w: WorldArrays,
-    path: Array,
+    current: Array,
+    fresh: Array,
+    count: int,
     tries: int,
     rng: np.random.Generator,
     checks: IntArray,
-) -> Array:
-    """The path with stretches replaced by straight free edges, ``tries`` times at random."""
-    dof = path.shape[1]
+) -> tuple[int, bool]:
+    """Replace stretches of a path by straight free edges, ``tries`` times at random.
+
+    The path is the first ``count`` rows of ``current`` (n, dof); ``fresh`` is as large, with room
+    for two more corners a try. Returns the new count, and whether the result is in ``fresh``.
+    """
+    dof = current.shape[1]
     R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
     near = np.empty(w.centre.shape[0], dtype=np.int64)
-    # Each success adds at most two corners.
-    room = path.shape[0] + 2 * tries
-    current, fresh = np.empty((room, dof)), np.empty((room, dof))
     a, b = np.empty(dof), np.empty(dof)
-    count = path.shape[0]
-    current[:count] = path
+    swapped = False
     for _ in range(tries):
         if count < 3:
             break
-        first, second = rng.random() * (count - 1), rng.random() * (count - 1)
-        u, v = min(first, second), max(first, second)
+        one, two = rng.random() * (count - 1), rng.random() * (count - 1)
+        u, v = min(one, two), max(one, two)
         i, j = min(int(u), count - 2), min(int(v), count - 2)
         if i == j:
             continue
@@ -182,11 +151,21 @@ def shortcut(
             b[k] = current[j, k] + (v - j) * (current[j + 1, k] - current[j, k])
         if not edge_is_free(chain, s, w, a, b, R, p, near, checks):
             continue
-        fresh[: i + 1] = current[: i + 1]
-        fresh[i + 1] = a
-        fresh[i + 2] = b
-        rest = count - j - 1
-        fresh[i + 3 : i + 3 + rest] = current[j + 1 : count]
-        count = i + 3 + rest
+        count = _spliced(current, fresh, count, i, j, a, b)
         current, fresh = fresh, current
-    return current[:count].copy()
+        swapped = not swapped
+    return count, swapped
+
+
+@njit(cache=True, error_model="numpy")
+def _spliced(current: Array, fresh: Array, count: int, i: int, j: int, a: Array, b: Array) -> int:
+    """Write ``current[: i + 1], a, b, current[j + 1 : count]`` into ``fresh``; its length."""
+    dof = current.shape[1]
+    for k in range(dof):
+        for n in range(i + 1):
+            fresh[n, k] = current[n, k]
+        fresh[i + 1, k] = a[k]
+        fresh[i + 2, k] = b[k]
+        for n in range(j + 1, count):
+            fresh[i + 2 + n - j, k] = current[n, k]
+    return i + 2 + count - j

@@ -104,4 +104,5 @@ class SphereChecker(CollisionChecker):
 
 
 def _rows(configurations: Array) -> Array:
-    return np.ascontiguousarray(np.atleast_2d(configurations), dtype=np.float64)
+    """A writable copy (k, dof): read-only arrays would have every kernel compiled once more."""
+    return np.array(np.atleast_2d(configurations), dtype=np.float64, order="C")

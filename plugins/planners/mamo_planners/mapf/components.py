@@ -36,10 +36,10 @@ class PrioritizedOptions(Options):
 class PortfolioOptions(Options):
     """Shares are parts of the whole budget of work; prioritised planning has the rest."""
 
-    cbs_share: float = Field(0.01, ge=0.0, le=1.0, description="share of optimal CBS (fraction)")
-    candidates: int = Field(4, ge=1, description=_CANDIDATES)
+    cbs_share: float = Field(0.006, ge=0.0, le=1.0, description="share of optimal CBS (fraction)")
+    candidates: int = Field(2, ge=1, description=_CANDIDATES)
     w: float = Field(1.5, ge=1.0, description="factor of the first ECBS")
-    w_share: float = Field(0.02, ge=0.0, le=1.0, description="share of the first ECBS (fraction)")
+    w_share: float = Field(0.015, ge=0.0, le=1.0, description="share of the first ECBS (fraction)")
     w_loose: float = Field(3.0, ge=1.0, description="factor of the second ECBS")
     loose_share: float = Field(
         0.10, ge=0.0, le=1.0, description="share of the second ECBS (fraction)"

@@ -135,9 +135,9 @@ def _goal_map(
     begin, count = _lattice_within(extent, problem.goal_lower, problem.goal_upper, step)
     low = np.clip(begin - first, 0, size)
     high = np.clip(begin + count - first, 0, size)
-    allowed = np.zeros(free.shape, dtype=bool)
-    allowed[low[0] : high[0], low[1] : high[1]] = True
-    goal = np.where(allowed & free & ~inside, 0, FAR).astype(np.int64)
+    within = slice(low[0], high[0]), slice(low[1], high[1])
+    goal = np.full(free.shape, FAR)
+    goal[within][free[within] & ~inside[within]] = 0
     for penalty in agent.penalties:
         dx, dy = penalty.position - agent.pose[:2]
         units = penalty_units(penalty)

@@ -106,9 +106,9 @@ def prioritized_planning(orders: int = 100) -> MAPFSolver:
 
 
 def portfolio(
-    cbs_share: float = 0.01,
-    candidates: int = 4,
-    tight: tuple[float, float] = (0.02, 1.5),
+    cbs_share: float = 0.006,
+    candidates: int = 2,
+    tight: tuple[float, float] = (0.015, 1.5),
     loose: tuple[float, float] = (0.10, 3.0),
     orders: int = 1000,
 ) -> MAPFSolver:
