@@ -1,4 +1,4 @@
-"""The contract of multi-agent pathfinding: kept by the solvers, and sharp enough to catch cheats."""
+"""The pathfinding contract: kept by the solvers, and sharp enough to catch cheats."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+SMALL = Path(__file__).parents[2] / "golden" / "small_shelf.yaml"
 EXAMPLE = Path(__file__).parents[3] / "examples" / "third_party_plugin"
 
 
@@ -55,3 +56,20 @@ def test_it_is_listed(environment):
 def test_without_it_there_is_no_shove():
     done = mamo(dict(os.environ), "plugins", "list", "--json")
     assert "shove" not in done.stdout
+
+
+def test_a_plan_with_it_passes_verification(environment, tmp_path):
+    """Its own recipe; pushes are refused, so that its own action has to do the work."""
+    plan = tmp_path / "plan.json"
+    done = mamo(
+        environment,
+        *("plan", str(SMALL), "--planner", str(EXAMPLE / "shove.yaml"), "-o", str(plan)),
+        *("--set", "actions.push.shortest=9", "--budget", "600", "--json"),
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    document = json.loads(done.stdout)
+    assert (document["status"], document["verified"]) == ("solved", True)
+    assert {"kind": "shove", "object": "blocker"} in document["actions"]
+    assert {action["kind"] for action in document["actions"]} == {"shove"}
+    again = mamo(dict(os.environ), "verify", str(plan))
+    assert again.returncode == 0, again.stdout + again.stderr

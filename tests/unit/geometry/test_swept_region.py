@@ -158,7 +158,7 @@ def test_overlap_agrees_with_brute_force(seed):
         grown = (
             Cylinder(shape.radius + wide, shape.height)
             if isinstance(shape, Cylinder)
-            else Box(shape.size + [2 * wide, 2 * wide, 0])
+            else Box(shape.size + np.array([2 * wide, 2 * wide, 0.0]))
         )
         near = covers(grown, pose, grid.reshape(-1, 2)).reshape(nx * n, ny * n)
         if not (near & (fine < pose[2] + shape.height / 2.0)).any():

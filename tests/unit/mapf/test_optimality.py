@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from mamo_planners.mapf.solvers import cbs, ecbs, prioritized_planning
 
 from mamo_core.types.geometry import Box, Cylinder, Shape, make_pose
 from mamo_core.types.mapf import (
@@ -21,19 +22,22 @@ from mamo_core.types.mapf import (
 )
 from mamo_core.types.region import SweptRegion
 from mamo_core.verify_mapf import _bounds, _gap, _goal, _obstacles, _outline, verify_mapf
-from mamo_planners.mapf.solvers import cbs, ecbs, prioritized_planning
 
 MOVES = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1))
 BUDGET = MAPFBudget(nodes=1_000, expansions=200_000)
 CELL = 0.02
-MOST_STATES = 4_000
+MOST_QUEUED = 60_000
 
 
 def random_problem(rng: np.random.Generator, agents: int, cells: tuple[int, int]) -> MAPFProblem:
     """Small shapes on a small floor, some too near each other, with all kinds of costs."""
     size = np.array(cells) * CELL
     bodies: list[MAPFAgent] = []
+    tries = 0
     while len(bodies) < agents:
+        tries += 1
+        if tries % 20 == 0:
+            bodies = []  # the last ones do not fit
         shape: Shape = Cylinder(0.018, 0.1)
         if rng.random() < 0.6:
             shape = Box(np.array([rng.uniform(0.025, 0.05), rng.uniform(0.025, 0.05), 0.1]))
@@ -44,7 +48,7 @@ def random_problem(rng: np.random.Generator, agents: int, cells: tuple[int, int]
         if gaps and min(gaps) < -0.004:
             continue
         penalties = tuple(
-            GoalPenalty(rng.uniform(0.0, size), 0.03, float(rng.choice([0.5, 2.0, np.inf])))
+            GoalPenalty(rng.uniform(0.0, size), 0.03, float(rng.choice([0.5, 1.0, 2.0, np.inf])))
             for _ in range(rng.integers(0, 3))
         )
         field = None
@@ -53,7 +57,7 @@ def random_problem(rng: np.random.Generator, agents: int, cells: tuple[int, int]
         bodies.append(MAPFAgent(f"o{len(bodies)}", shape, pose, penalties, field))
     lowest = np.full((2 * cells[0], 2 * cells[1]), np.inf)
     corner = rng.integers(0, cells, 2)
-    lowest[corner[0] : corner[0] + cells[0], corner[1] : corner[1] + cells[1]] = 0.02
+    lowest[corner[0] : corner[0] + cells[0] // 2, corner[1] : corner[1] + cells[1]] = 0.02
     wall = MAPFObstacle(
         "w", Box(np.array([0.03, 0.02, 0.1])), make_pose([*rng.uniform(0.0, size), 0.05])
     )
@@ -161,7 +165,7 @@ def joint_optimum(problem: MAPFProblem) -> float | None:
         done.add((states, parted))
         if all(state[2] for state in states):
             return cost
-        if len(done) > MOST_STATES:
+        if len(queue) > MOST_QUEUED:
             return float("nan")
         partial: list[tuple[float, tuple, frozenset]] = [(cost, (), parted)]
         for j, state in enumerate(states):
@@ -186,6 +190,9 @@ def check(problem: MAPFProblem) -> None:
     if optimum is None:
         assert solution.status in (MAPFStatus.INFEASIBLE, MAPFStatus.TIMEOUT)
         return
+    if solution.status is MAPFStatus.TIMEOUT:
+        assert solution.lower_bound <= optimum + 1e-6
+        pytest.skip("more work than a test should do")
     assert solution.status is MAPFStatus.OPTIMAL
     assert solution.cost == pytest.approx(optimum, abs=1e-6)
     assert verify_mapf(problem, solution) == []
@@ -200,11 +207,11 @@ def check(problem: MAPFProblem) -> None:
             assert other.bound <= 2.0 + 1e-9
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", range(120))
 def test_two_agents_cost_the_joint_optimum(seed: int) -> None:
-    check(random_problem(np.random.default_rng(seed), 2, (5, 4)))
+    check(random_problem(np.random.default_rng(seed), 2, (7, 5)))
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(30))
 def test_three_agents_cost_the_joint_optimum(seed: int) -> None:
-    check(random_problem(np.random.default_rng(1_000 + seed), 3, (6, 4)))
+    check(random_problem(np.random.default_rng(1_000 + seed), 3, (8, 5)))

@@ -1,0 +1,124 @@
+"""The greedy search among fakes: a plan takes milliseconds, and every call is counted."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from mamo_planners.options import GreedyOptions
+from mamo_planners.search.execution import Execution
+from mamo_planners.search.greedy import GreedySearch
+
+from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus
+from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld
+from mamo_core.interfaces.mapf_solver import MAPFSolver
+from mamo_core.interfaces.transition_model import RolloutOptions
+from mamo_core.testing.fakes import StraightPush, StraightRetrieval
+from mamo_core.testing.gantry import GantryKinematics
+from mamo_core.testing.quasi_static import QuasiStaticModel
+from mamo_core.testing.transition_cases import standard_constraints
+from mamo_core.types.geometry import make_pose
+from mamo_core.types.mapf import MAPFSolution, MAPFStatus
+from mamo_core.types.motion import Motion
+from mamo_core.types.solution import Budget
+
+
+class Sidewards(MAPFSolver):
+    """Whoever is in the region walks left or right, to a place that no goal penalty forbids."""
+
+    def __init__(self):
+        self.problems = []
+
+    def solve(self, problem, budget, rng):
+        self.problems.append(problem)
+        paths = {agent.name: self._path(problem, agent) for agent in problem.agents}
+        return MAPFSolution(MAPFStatus.FEASIBLE, paths)
+
+    def _path(self, problem, agent):
+        start = np.array(agent.pose[:2])
+        for distance in np.arange(0.0, 0.4, 0.02):
+            for side in (1.0, -1.0):
+                end = start + np.array([0.0, side * distance])
+                if self._good(problem, agent, end):
+                    return np.stack([start, end]) if distance else start[None]
+        return start[None]
+
+    def _good(self, problem, agent, end):
+        inside = (end >= problem.goal_lower + 0.03) & (end <= problem.goal_upper - 0.03)
+        pose = make_pose([*end, agent.pose[2]])
+        forbidden = [p for p in agent.penalties if np.linalg.norm(p.position - end) <= p.radius]
+        return inside.all() and not forbidden and not problem.region.overlaps(agent.shape, pose)
+
+
+class FreeWorld(CollisionWorld):
+    def free(self, configurations):
+        return np.ones(len(np.atleast_2d(configurations)), dtype=bool)
+
+    def edges_free(self, starts, ends):
+        return self.free(starts)
+
+
+class NoCollisions(CollisionChecker):
+    def world(self, object_poses, *, opening, ignore=(), held=None, margin=0.0):
+        return FreeWorld()
+
+
+class StraightArm(ArmPlanner):
+    def plan(self, start, goals, world, rng, *, max_checks=None):
+        return ArmPlan(ArmPlanStatus.SOLVED, np.stack([start, goals[0]]), 0, 1)
+
+
+class Search:
+    """A greedy search for a tiny scene, its parts at hand."""
+
+    def __init__(self, problem, actions=None, verifier=None, **options):
+        self.problem = problem
+        self.model = QuasiStaticModel(
+            problem, GantryKinematics().forward, standard_constraints(problem)
+        )
+        self.mapf = Sidewards()
+        self.told = []
+        self.search = GreedySearch(
+            problem,
+            StraightRetrieval(problem),
+            self.mapf,
+            actions or [StraightPush(problem)],
+            self._execution,
+            verifier or self.replay,
+            GreedyOptions(**options),
+        )
+
+    def _execution(self, statistics):
+        arm = SimpleNamespace(gripper=SimpleNamespace(closed=0.0), velocity=np.ones(4))
+        return Execution(self.problem, arm, self.model, NoCollisions(), StraightArm(), statistics)
+
+    def replay(self, plan):
+        """The whole plan in one rollout."""
+        segments = tuple(s for motion in plan.motions for s in motion.segments)
+        whole = Motion(segments, plan.motions[0].opening)
+        result = self.model.rollout(
+            self.problem.initial, whole, options=RolloutOptions(stop_early=False)
+        )
+        return [*map(str, result.violations), *(["stalled"] if result.stalled else [])]
+
+    def solve(self, seed=0, seconds=float("inf")):
+        return self.search.solve(Budget(seconds), np.random.default_rng(seed), self.told.append)
+
+
+@pytest.fixture
+def search_of():
+    return Search
+
+
+def words(solution):
+    """The actions in short: kind, object, where to in cm."""
+    if solution.plan is None:
+        return None
+    return [
+        f"{a.kind} {a.object_name} to {100 * a.path[-1][0]:.0f},{100 * a.path[-1][1]:.0f}"
+        for a in solution.plan.actions
+    ]
+
+
+@pytest.fixture(scope="session")
+def in_words():
+    return words

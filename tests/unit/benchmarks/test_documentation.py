@@ -1,0 +1,76 @@
+"""What README and docs show must work: Python runs, recipes compose; so do all shipped recipes."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from mamo_core.compose import compose
+from mamo_core.config import load_text
+from mamo_core.plugins import discover
+from mamo_core.problems import load_problem
+from mamo_core.recipes import find_recipe, load_recipe, shipped_recipes
+
+ROOT = Path(__file__).parents[3]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PROBLEM = ROOT / "problems" / "shelf_5_easy_seed1.yaml"
+
+
+def blocks(language):
+    """(page and line, text) of every fenced block in a language."""
+    found = []
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for match in re.finditer(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+            line = text[: match.start()].count("\n") + 1
+            found.append(pytest.param(match.group(1), id=f"{page.name}:{line}"))
+    return found
+
+
+def links():
+    """(page, target) of every link to a file."""
+    return [
+        pytest.param(page, target, id=f"{page.name}-{target}")
+        for page in PAGES
+        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8"))
+    ]
+
+
+@pytest.fixture(scope="module")
+def registry():
+    return discover()
+
+
+@pytest.fixture(scope="module")
+def problem():
+    return load_problem(PROBLEM)
+
+
+@pytest.mark.parametrize("code", blocks("python"))
+def test_python_runs(code):
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "verified: False" not in done.stdout
+
+
+@pytest.mark.parametrize("text", blocks("yaml"))
+def test_recipes_in_the_docs_compose(text, problem, registry):
+    assert compose(load_recipe(load_text(text, "docs")), problem, registry).search is not None
+
+
+@pytest.mark.parametrize("name", shipped_recipes())
+def test_shipped_recipes_compose(name, problem, registry):
+    assert compose(load_recipe(find_recipe(name)), problem, registry).search is not None
+
+
+@pytest.mark.parametrize(("page", "target"), links())
+def test_linked_files_exist(page, target):
+    assert (page.parent / target).exists()
+
+
+def test_there_is_something_to_test():
+    assert min(len(blocks("python")), len(blocks("yaml"))) >= 2

@@ -1,0 +1,235 @@
+"""Retrievals: by which grasp, how, and if not, why not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mamo_planners.options import RetrievalOptions
+from mamo_planners.retrieval import GraspAndExtract
+
+from mamo_core.interfaces.collision_checker import HeldObject
+from mamo_core.robots.exact_collision import ExactChecker
+from mamo_core.robots.timing import interpolated
+from mamo_core.types.geometry import Box, Cylinder, invert, make_pose, matrix_from_pose
+from mamo_core.types.problem import Grasp
+from mamo_core.types.scene import Mobility, SceneState
+
+
+def retrieval_of(problem, parts, **options):
+    return GraspAndExtract(
+        problem,
+        parts.arm,
+        parts.kinematics,
+        parts.collision,
+        parts.arm_planner,
+        RetrievalOptions(**options),
+    )
+
+
+@pytest.fixture(scope="module")
+def retrieval(problem, parts):
+    return retrieval_of(problem, parts)
+
+
+@pytest.fixture(scope="module")
+def cleared(problem):
+    """The blocker is out of the way."""
+    poses = np.array(problem.initial.object_poses)
+    poses[0, :2] = 0.9, -0.5
+    return SceneState(problem.home, poses)
+
+
+@pytest.fixture(scope="module")
+def found(retrieval, cleared):
+    result = retrieval.plan(cleared, np.random.default_rng(0))
+    assert result.motion is not None, result.causes
+    return result
+
+
+def in_the_hand(problem, parts, motion):
+    """``T_tool_target`` (4, 4) while it is held."""
+    T_world_tool = parts.kinematics.forward(motion.segments[3].trajectory.positions[0])
+    target = problem.initial.object_poses[problem.scene.target_index]
+    return invert(T_world_tool) @ matrix_from_pose(target)
+
+
+def test_the_motion(problem, parts, found):
+    motion = found.motion
+    kinds = [s.kind.value for s in motion.segments]
+    assert kinds == ["gripper", "transit", "reach", "lift", "carry"]
+    assert [s.held for s in motion.segments] == [None, None, None, "target", "target"]
+    assert all(s.contact_free for s in motion.segments)
+    assert np.array_equal(motion.start, problem.home)
+    np.testing.assert_allclose(motion.end, problem.home, atol=1e-8)
+    assert motion.opening == parts.arm.gripper.closed
+    grasp = problem.grasps[found.grasp]
+    assert {s.opening for s in motion.segments} == {grasp.opening}
+    limits = parts.arm.velocity
+    for segment in motion.segments:
+        t = segment.trajectory
+        assert (np.abs(np.diff(t.positions, axis=0)) <= np.diff(t.times)[:, None] * limits).all()
+        assert (t.positions >= parts.arm.lower - 1e-9).all()
+        assert (t.positions <= parts.arm.upper + 1e-9).all()
+
+
+def test_the_tool_is_at_the_grasp_when_it_takes_hold(problem, parts, found):
+    grasp = problem.grasps[found.grasp]
+    reach, lift = (s for s in found.motion.segments if s.kind in ("reach", "lift"))
+    T_world_tool = parts.kinematics.forward(reach.trajectory.positions[-1])
+    T_world_object = matrix_from_pose(problem.initial.object_poses[problem.scene.target_index])
+    expected = T_world_object @ matrix_from_pose(grasp.T_object_tool)
+    np.testing.assert_allclose(T_world_tool, expected, atol=3e-4)
+    start = parts.kinematics.forward(reach.trajectory.positions[0])
+    np.testing.assert_allclose(
+        start[:3, 3], expected[:3, 3] - grasp.approach * expected[:3, 0], atol=1e-3
+    )
+    top = parts.kinematics.forward(lift.trajectory.positions[-1])
+    rise = top[2, 3] - T_world_tool[2, 3]
+    assert 0.02 < rise <= 0.075 + 1e-4
+    np.testing.assert_allclose(top[:2, 3], T_world_tool[:2, 3], atol=1e-3)
+
+
+def test_exact_meshes_touch_nothing(problem, parts, cleared, found):
+    exact = ExactChecker(problem.scene, parts.arm)
+    for segment in found.motion.segments:
+        ignore = [segment.held] if segment.held else []
+        world = exact.world(cleared.object_poses, opening=segment.opening, ignore=ignore)
+        for q in interpolated(segment.trajectory.positions, 0.05):
+            assert world.touching(q) is None, segment.kind
+
+
+def test_the_target_stays_upright(problem, parts, found):
+    for segment in found.motion.segments:
+        if segment.held is None:
+            continue
+        for q in interpolated(segment.trajectory.positions, 0.02):
+            up = parts.kinematics.forward(q)[2, 2]
+            assert up >= np.cos(np.radians(18.0)) - 1e-3
+
+
+def test_the_held_target_touches_nothing(problem, parts, cleared, found):
+    """Carried past everything, with the exact solid."""
+    carry = found.motion.segments[-1]
+    item = problem.scene.objects[problem.scene.target_index]
+    held = HeldObject(item.name, item.shape, in_the_hand(problem, parts, found.motion))
+    world = ExactChecker(problem.scene, parts.arm).world(
+        cleared.object_poses, opening=carry.opening, ignore=[item.name], held=held
+    )
+    rows = interpolated(carry.trajectory.positions, 0.05)
+    assert len(rows) > 10
+    assert [world.touching(q) for q in rows] == [None] * len(rows)
+
+
+def test_a_blocked_target_is_not_retrieved(problem, retrieval):
+    blocked = retrieval.plan(problem.initial, np.random.default_rng(0))
+    assert blocked.motion is None
+    assert blocked.causes
+    assert all(times > 0 for times in blocked.causes.values())
+
+
+def test_without_movables_it_goes_through_the_blocker(problem, retrieval):
+    through = retrieval.plan(problem.initial, np.random.default_rng(0), ignore_movables=True)
+    assert through.motion is not None
+    region = retrieval.swept_region(problem.initial, through.motion)
+    shape = problem.scene.objects[0].shape
+    assert region.overlaps(shape, problem.initial.object_poses[0])
+    assert not region.overlaps(problem.scene.objects[1].shape, problem.initial.object_poses[1])
+
+
+def test_the_region_holds_the_target_on_its_way(problem, parts, retrieval, found):
+    region = retrieval.swept_region(problem.initial, found.motion)
+    T_tool_target = in_the_hand(problem, parts, found.motion)
+    for segment in found.motion.segments[3:]:
+        for q in segment.trajectory.positions[::3]:
+            x, y, z = (parts.kinematics.forward(q) @ T_tool_target)[:3, 3]
+            cell = np.floor((np.array([x, y]) - region.origin) / region.resolution).astype(int)
+            if ((cell >= 0) & (cell < region.lowest.shape)).all():
+                assert region.lowest[tuple(cell)] <= z - 0.06
+
+
+def test_the_region_is_that_of_all_segments(problem, retrieval, found):
+    region = retrieval.swept_region(problem.initial, found.motion)
+    for segment in found.motion.segments[:3]:
+        part = retrieval._collision.swept_region(
+            segment.trajectory.positions, opening=segment.opening
+        )
+        assert (region.lowest <= part.lowest).all()
+
+
+def test_avoided_grasps_are_not_used(retrieval, cleared):
+    used = set()
+    for _ in range(4):
+        result = retrieval.plan(cleared, np.random.default_rng(0), avoid=used)
+        if result.motion is None:
+            break
+        assert result.grasp not in used
+        used.add(result.grasp)
+    assert len(used) >= 2
+
+
+def test_nothing_left_when_all_are_avoided(problem, retrieval, cleared):
+    everything = range(len(problem.grasps))
+    assert retrieval.plan(cleared, np.random.default_rng(0), avoid=everything).motion is None
+
+
+def test_same_seed_same_motion(retrieval, cleared):
+    one, other = (retrieval.plan(cleared, np.random.default_rng(3)) for _ in range(2))
+    assert one.grasp == other.grasp
+    for a, b in zip(one.motion.segments, other.motion.segments, strict=True):
+        assert np.array_equal(a.trajectory.positions, b.trajectory.positions)
+        assert np.array_equal(a.trajectory.times, b.trajectory.times)
+
+
+def causes(problem, parts_of, **options):
+    retrieval = retrieval_of(problem, parts_of(problem), **options)
+    result = retrieval.plan(problem.initial, np.random.default_rng(0), ignore_movables=True)
+    assert result.motion is None
+    return dict(result.causes)
+
+
+def test_out_of_reach(shelf_with, parts_of):
+    problem = shelf_with(T_world_base=make_pose([-2.0, 0.0, 0.0]))
+    assert causes(problem, parts_of) == {"out_of_reach": len(problem.grasps)}
+
+
+def test_gripper_too_small(problem, parts_of):
+    wide = tuple(replace(grasp, opening=0.3) for grasp in problem.grasps)
+    found = causes(replace(problem, grasps=wide), parts_of)
+    assert found == {"gripper_too_small": len(wide)}
+
+
+def test_no_grasps(problem, parts_of):
+    assert causes(replace(problem, grasps=()), parts_of) == {}
+
+
+def test_a_grasp_that_no_configuration_reaches(problem, parts_of):
+    """From behind: within the length of the arm, but not like this."""
+    backwards = Grasp(make_pose([0.0, 0.0, 0.0], np.pi), approach=0.1, opening=0.08)
+    found = causes(replace(problem, grasps=(backwards,)), parts_of)
+    assert set(found) <= {"grasp_no_ik", "grasp_in_collision", "reach_blocked"}
+    assert sum(found.values()) >= 1
+
+
+def test_walled_in_by_immovables(shelf_with, parts_of):
+    wall = Box(np.array([0.04, 0.5, 0.25]))
+    problem = shelf_with({"post": (wall, Mobility.IMMOVABLE, (0.6, -0.5))})
+    found = causes(problem, parts_of)
+    assert {"grasp_in_collision", "reach_blocked"} & set(found)
+    assert not {"out_of_reach", "gripper_too_small"} & set(found)
+
+
+def test_a_tall_target_is_lifted_less(shelf_with, parts_of):
+    """Under the ceiling a gap stays: 25 cm of 32 leave 7, of which 1.5 remain."""
+    problem = shelf_with({"target": (Cylinder(0.03, 0.27), Mobility.TARGET, (0.7, -0.5))})
+    parts = parts_of(problem)
+    retrieval = retrieval_of(problem, parts)
+    ceiling = problem.scene.workspace.upper[2]
+    assert retrieval._candidates
+    for candidate in retrieval._candidates:
+        rise = (
+            parts.kinematics.forward(candidate.lift[-1])[2, 3]
+            - parts.kinematics.forward(candidate.lift[0])[2, 3]
+        )
+        top = problem.scene.workspace.floor + 0.27 + rise
+        assert top <= ceiling - 0.015 + 1e-3
+        assert rise > 0.0
