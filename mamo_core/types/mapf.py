@@ -67,10 +67,11 @@ class MAPFProblem:
 
     The lattice of an agent is anchored at its start pose. Every footprint stays within
     ``transit_lower``..``transit_upper`` (2,) always and within ``goal_lower``..``goal_upper`` at
-    its goal (an agent that never moves is exempt). ``margin`` (m) is kept from obstacles and other
-    agents, ``goal_margin`` from the region at goals; pairs that overlap at the start, margin
-    included, are ignored with one another until they part. A move costs 1 plus the cost field
-    where it arrives; a wait away from the final goal costs ``wait_cost`` (0 < wait_cost <= 1).
+    its goal (an agent that never moves is exempt, from ``goal_margin``, too). ``margin`` (m) is
+    kept from obstacles and other agents, ``goal_margin`` from the region at goals. What is closer
+    than that at the start, or out of bounds, may stay so but comes no closer, and no further out.
+    A move costs 1 plus the cost field where it arrives; a wait away from the final goal costs
+    ``wait_cost`` (0 < wait_cost <= 1).
     """
 
     agents: tuple[MAPFAgent, ...]

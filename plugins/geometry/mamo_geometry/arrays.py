@@ -56,8 +56,8 @@ class WorldArrays(NamedTuple):
     """Primitives: ``centre`` (p, 3), ``rotation`` (p, 3, 3), ``half`` (p, 3), ``round`` (p,).
 
     A cylinder has ``round`` 1 and half = radius, radius, half height. ``low``, ``high`` (p, 3):
-    axis-aligned bounds. ``first_link`` (p,): earlier links are not checked. The first ``fixed``
-    primitives are large; the rest lie within ``lower``..``upper`` (3,). ``active_from``: links
+    axis-aligned bounds. ``first_link`` (p,): earlier links are not checked. The first ``body``
+    primitives are the robot's own; all others lie within ``lower``..``upper`` (3,). ``active_from``: links
     before this one are too short to reach anything.
     """
 
@@ -68,7 +68,7 @@ class WorldArrays(NamedTuple):
     low: Array
     high: Array
     first_link: IntArray
-    fixed: int
+    body: int
     lower: Array
     upper: Array
     margin: float
@@ -228,10 +228,12 @@ def world_arrays(
     """Fixtures, the robot's own body and the objects, but for those in ``ignore``."""
     T_world_base = matrix_from_pose(scene.T_world_base)
     items: list[tuple[Array, Shape, int]] = [
+        (T_world_base @ b.T_base_box, Box(b.size), b.first_link) for b in arm.body
+    ]
+    body = len(items)
+    items += [
         (matrix_from_pose(f.pose), f.shape, 0) for f in scene.fixtures if f.name not in ignore
     ]
-    items += [(T_world_base @ b.T_base_box, Box(b.size), b.first_link) for b in arm.body]
-    fixed = len(items)
     items += [
         (matrix_from_pose(pose), o.shape, 0)
         for o, pose in zip(scene.objects, object_poses, strict=True)
@@ -242,8 +244,8 @@ def world_arrays(
     rotation = np.array([T[:3, :3] for T, _, _ in items]).reshape(-1, 3, 3)
     spread = np.einsum("pij,pj->pi", np.abs(rotation), half)
     low, high = centre - spread, centre + spread
-    loose = slice(fixed, None)
-    empty = len(items) == fixed
+    around = slice(body, None)
+    empty = len(items) == body
     return WorldArrays(
         centre,
         rotation,
@@ -252,9 +254,9 @@ def world_arrays(
         low,
         high,
         np.array([first for _, _, first in items], dtype=np.int64),
-        fixed,
-        np.zeros(3) if empty else low[loose].min(axis=0),
-        np.zeros(3) if empty else high[loose].max(axis=0),
+        body,
+        np.zeros(3) if empty else low[around].min(axis=0),
+        np.zeros(3) if empty else high[around].max(axis=0),
         margin,
         _first_active(arm, T_world_base, low, high, [first for _, _, first in items], margin),
     )

@@ -85,7 +85,7 @@ def connect(
     counts = np.empty(2, dtype=np.int64)
     counts[0], counts[1] = 1, roots
     R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
-    near = np.empty(w.centre.shape[0], dtype=np.int64)
+    near = np.empty(2 * w.centre.shape[0], dtype=np.uintp)
     q = np.empty(dof)
     # Often the straight line to the nearest goal is all it takes.
     copy_row(nodes[1], _nearest(chain, nodes[1], roots, nodes[0, 0]), q)
@@ -135,7 +135,7 @@ def shortcut(
     """
     dof = current.shape[1]
     R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
-    near = np.empty(w.centre.shape[0], dtype=np.int64)
+    near = np.empty(2 * w.centre.shape[0], dtype=np.uintp)
     a, b = np.empty(dof), np.empty(dof)
     swapped = False
     for _ in range(tries):

@@ -6,6 +6,7 @@ from mamo_geometry.options import RRTConnectOptions
 from mamo_geometry.rrt_connect import RRTConnect
 
 from mamo_core.interfaces.arm_planner import ArmPlanStatus
+from mamo_core.robots.timing import interpolated
 
 
 @pytest.fixture(scope="module")
@@ -108,6 +109,20 @@ def test_a_straight_way_is_taken(arm, world):
     np.testing.assert_allclose(plan.path[[0, -1]], [arm.home, goal])
     straight = np.linalg.norm(goal - arm.home)
     assert np.linalg.norm(np.diff(plan.path, axis=0), axis=1).sum() == pytest.approx(straight)
+
+
+def test_ways_around_are_free(arm, world, goals, exact, shelf):
+    """Shortcuts and all: where the straight line is blocked."""
+    authority = exact.world(shelf.initial.object_poses, opening=0.0)
+    solved = 0
+    for k, goal in enumerate(hard_goals(arm, world, goals)[:12]):
+        plan = planner(arm).plan(arm.home, goal[None], world, np.random.default_rng(k))
+        if plan.status is ArmPlanStatus.SOLVED:
+            solved += 1
+            assert len(plan.path) > 2
+            assert world.free(interpolated(plan.path, 0.05)).mean() > 0.98
+            assert authority.edges_free(plan.path[:-1], plan.path[1:]).all()
+    assert solved >= 4
 
 
 def test_shortcuts_never_lengthen(arm, checker, world, goals):

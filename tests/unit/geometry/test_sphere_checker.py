@@ -30,6 +30,33 @@ def test_free_is_never_a_mesh_collision(shelf, arm, checker, exact, configuratio
     assert missed == []
 
 
+def at_the_edge(world, configurations, count, seed):
+    """Free configurations just before something is touched: ``count`` bisections at most."""
+    free = world.free(configurations)
+    rng = np.random.default_rng(seed)
+    inside = configurations[free][rng.integers(free.sum(), size=count)]
+    outside = configurations[~free][rng.integers((~free).sum(), size=count)]
+    # Near pairs: the arm moves little, the touching part is the hand's.
+    outside = inside + 0.3 * (outside - inside)
+    keep = ~world.free(outside)
+    inside, outside = inside[keep], outside[keep]
+    for _ in range(14):
+        middle = (inside + outside) / 2.0
+        free = world.free(middle)[:, None]
+        inside, outside = np.where(free, middle, inside), np.where(free, outside, middle)
+    return inside
+
+
+@pytest.mark.parametrize("opening", [0.0, 0.085])
+def test_the_last_free_configuration_is_no_collision(shelf, arm, checker, exact, reaching, opening):
+    poses = shelf.initial.object_poses
+    opening = max(opening, arm.gripper.closed)
+    last = at_the_edge(checker.world(poses, opening=opening), reaching, 3_000, seed=1)
+    assert len(last) > 600
+    authority = exact.world(poses, opening=opening)
+    assert [q for q in last if authority.touching(q) is not None] == []
+
+
 def test_it_is_not_too_careful(shelf, checker, exact, reaching):
     """At least seven of ten configurations in the shelf that are free are found so."""
     poses = shelf.initial.object_poses
