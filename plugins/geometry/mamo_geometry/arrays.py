@@ -57,8 +57,8 @@ class WorldArrays(NamedTuple):
 
     A cylinder has ``round`` 1 and half = radius, radius, half height. ``low``, ``high`` (p, 3):
     axis-aligned bounds. ``first_link`` (p,): earlier links are not checked. The first ``body``
-    primitives are the robot's own; all others lie within ``lower``..``upper`` (3,). ``active_from``: links
-    before this one are too short to reach anything.
+    primitives are the robot's own; all others lie within ``lower``..``upper`` (3,).
+    ``active_from``: links before this one are too short to reach anything.
     """
 
     centre: Array

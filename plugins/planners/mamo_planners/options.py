@@ -58,4 +58,4 @@ class GreedyOptions(Options):
     )
     goal_margin: float = Field(0.015, ge=0.0, description="distance of MAPF goals to the NGR, m")
     mapf_nodes: int = Field(300, ge=1, description="high-level nodes per MAPF call")
-    mapf_expansions: int = Field(300_000, ge=1, description="low-level expansions per MAPF call")
+    mapf_expansions: int = Field(60_000, ge=1, description="low-level expansions per MAPF call")

@@ -44,7 +44,8 @@ class SinglePlanner:
         self.model = model
         self.limit = limit
         self.expansions = 0
-        self._work = _workspace(1 << 14, 16, 4096)
+        # Memory that is never touched costs nothing; growing it later does.
+        self._work = _workspace(1 << 14, 128, 8192)
 
     def plan(
         self,

@@ -153,6 +153,8 @@ def _world_path(agent: MAPFAgent, steps: Int32Array, resolution: float) -> Array
 
 def path_cost(agent: MAPFAgent, path: Array, wait_cost: float) -> float:
     """What ``path`` (T + 1, 2) m costs the agent, in lattice steps, its goal penalties included."""
+    if len(path) == 1 and not agent.penalties:
+        return 0.0
     moved = np.any(np.abs(np.diff(path, axis=0)) > 1e-9, axis=1)
     moved = np.atleast_1d(moved)
     last = int(np.flatnonzero(moved)[-1]) + 1 if moved.any() else 0
