@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
-from mamo_core.robots.exact_collision import ExactChecker
+from mamo_core.robots.exact_collision import ExactChecker, ExactWorld
 from mamo_core.robots.kinematics import tool_transform
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.timing import interpolated
 from mamo_core.types.geometry import Array, invert, matrix_from_pose
-from mamo_core.types.motion import Motion, MotionSegment, SegmentKind
+from mamo_core.types.motion import Motion, MotionSegment
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import RolloutResult
 from mamo_core.types.scene import Mobility, SceneState
@@ -23,6 +23,7 @@ _LIMIT_SLACK = 1e-6
 _SPEED_SLACK = 1.01
 _MESH_STEP = 0.05
 _GRIP_SLIP = 0.02
+_GRASP_OFF, _GRASP_TURNED = 0.01, 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +64,8 @@ def verify(
     if rollout.stalled:
         failures.append("the arm could not follow its trajectory")
     if not failures:
-        failures += check_meshes(problem, segments, rollout.segment_states, robot)
+        failures += check_meshes(problem, segments, rollout.segment_states, robot, whole.opening)
+        failures += check_grasp(problem, segments, rollout.segment_states, robot)
         failures += check_retrieved(problem, segments, rollout, robot)
     return VerifyReport(tuple(failures), rollout)
 
@@ -119,21 +121,28 @@ def check_meshes(
     segments: tuple[MotionSegment, ...],
     states: tuple[SceneState, ...],
     robot: ArmModel,
+    opening: float,
 ) -> list[str]:
-    """Contact-free segments against the exact meshes of the arm."""
+    """Contact-free segments against the exact meshes of the arm, the gripper at ``opening`` (m)."""
     checker = ExactChecker(problem.scene, robot)
     failures = []
+    before = opening
     for segment, state in zip(segments, states, strict=True):
-        if not segment.contact_free or segment.kind is SegmentKind.GRIPPER:
-            continue
-        ignore = [segment.held] if segment.held is not None else []
-        world = checker.world(state.object_poses, opening=segment.opening, ignore=ignore)
-        for q in interpolated(segment.trajectory.positions, _MESH_STEP):
-            touched = world.touching(q)
+        # The fingers move during a segment: both ends of their way are checked.
+        for width in {before, segment.opening} if segment.contact_free else ():
+            ignore = [segment.held] if segment.held is not None else []
+            world = checker.world(state.object_poses, opening=width, ignore=ignore)
+            touched = _first_touched(world, segment)
             if touched is not None:
                 failures.append(f"{segment.kind}: the arm's mesh touches {touched}")
                 break
+        before = segment.opening
     return failures
+
+
+def _first_touched(world: ExactWorld, segment: MotionSegment) -> str | None:
+    rows = interpolated(segment.trajectory.positions, _MESH_STEP)
+    return next((name for name in map(world.touching, rows) if name is not None), None)
 
 
 def check_retrieved(
@@ -144,7 +153,7 @@ def check_retrieved(
 ) -> list[str]:
     """At the end the target is where the hand should have carried it."""
     index = problem.scene.target_index
-    first = next(i for i, segment in enumerate(segments) if segment.held is not None)
+    first = _first_held(problem, segments)
     before = matrix_from_pose(rollout.segment_states[first].object_poses[index])
     T_tool_target = invert(_tool(problem, segments[first], robot, 0)) @ before
     expected = _tool(problem, segments[-1], robot, -1) @ T_tool_target
@@ -152,6 +161,30 @@ def check_retrieved(
     if off > _GRIP_SLIP:
         return [f"the target is {off * 100:.1f} cm away from where the hand should hold it"]
     return []
+
+
+def check_grasp(
+    problem: Problem,
+    segments: tuple[MotionSegment, ...],
+    states: tuple[SceneState, ...],
+    robot: ArmModel,
+) -> list[str]:
+    """The hand takes hold of the target by one of the problem's grasps."""
+    first = _first_held(problem, segments)
+    pose = states[first].object_poses[problem.scene.target_index]
+    T = invert(matrix_from_pose(pose)) @ _tool(problem, segments[first], robot, 0)
+    for grasp in problem.grasps:
+        G = matrix_from_pose(grasp.T_object_tool)
+        cosine = (np.trace(T[:3, :3].T @ G[:3, :3]) - 1.0) / 2.0
+        turned = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+        if np.linalg.norm(T[:3, 3] - G[:3, 3]) <= _GRASP_OFF and turned <= _GRASP_TURNED:
+            return []
+    return ["the target is held where no grasp of the problem puts the hand"]
+
+
+def _first_held(problem: Problem, segments: tuple[MotionSegment, ...]) -> int:
+    target = problem.scene.objects[problem.scene.target_index].name
+    return next(i for i, segment in enumerate(segments) if segment.held == target)
 
 
 def _tool(problem: Problem, segment: MotionSegment, robot: ArmModel, row: int) -> Array:

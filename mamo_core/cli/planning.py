@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from mamo_core.atomic import atomic_path, check_writable
 from mamo_core.cli.output import progress, warn_of_broken_plugins
 from mamo_core.cli.plan_report import PlanReport, print_report
-from mamo_core.compose import Planner, compose
+from mamo_core.compose import Planner, choose, compose
 from mamo_core.errors import InputError
 from mamo_core.interfaces.search_strategy import ProgressCallback
 from mamo_core.plan_file import PlanDocument, write_plan
@@ -51,6 +51,10 @@ def run_plan(order: PlanOrder, *, as_json: bool) -> int:
     registry = discover()
     warn_of_broken_plugins(registry)
     with progress() as tell:
+        choose(recipe, problem, registry)  # complain before anything slow
+        tell("loading kernels (the first time they are compiled: about half a minute)")
+        for run in registry.warm_ups.values():
+            run()
         tell(f"building planner {recipe.recipe.name!r} for {problem.name!r}")
         report = _solve(compose(recipe, problem, registry), order, tell)
     _write(order, problem, recipe, report)

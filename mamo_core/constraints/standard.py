@@ -44,7 +44,8 @@ class ContactConstraint(InteractionConstraint):
     def violations(self, step: StepObservation) -> list[Violation]:
         if not len(step.contacts):
             return []
-        forbidden = self._forbidden_held if step.held >= 0 else self._forbidden_free
+        holding = step.held == self._target - 1
+        forbidden = self._forbidden_held if holding else self._forbidden_free
         hits = forbidden[step.contacts[:, 0], step.contacts[:, 1]]
         if not hits.any():
             return []

@@ -18,6 +18,7 @@ from mamo_core.problems.schema import (
     PoseEntry,
     ProblemDocument,
 )
+from mamo_core.robots.specs import SPECS
 from mamo_core.types.geometry import Array, frozen_array, make_pose, shape_document, yaw_of
 from mamo_core.types.problem import DEFAULT_CONSTRAINTS, ConstraintSpec, Grasp, Problem
 from mamo_core.types.scene import Fixture, Mobility, Scene, SceneObject, SceneState, Workspace
@@ -40,10 +41,12 @@ def problem_from_located(located: Located) -> Problem:
     """
     document = validated(ProblemDocument, located)
     _check_names(document, located)
+    robot = document.robot.name
+    if robot not in SPECS:
+        words = f"robot {robot!r} is not known{suggestion(robot, SPECS)}"
+        raise located.error(words, ("robot", "name"))
     try:
         problem = _problem(document)
-    except InputError as error:  # only the robot can be wrong here
-        raise located.error(str(error), ("robot", "name")) from error
     except ValueError as error:
         raise located.error(str(error)) from error
     found = complaints(problem)

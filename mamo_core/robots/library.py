@@ -66,14 +66,20 @@ def _build_into(spec: ArmSpec, folder: Path) -> None:
         text = (work / "arm.urdf").read_text().replace(str(work), str(folder))
         (work / "arm.urdf").write_text(text)
         (work / "arm.json").write_text(json.dumps(_encode(arm)))
-        try:
-            work.rename(folder)
-        except OSError:
-            # Another process was faster; its result is the same.
-            if not (folder / "arm.json").exists():
-                raise
+        _put_in_place(work, folder)
     finally:
         shutil.rmtree(work, ignore_errors=True)
+
+
+def _put_in_place(work: Path, folder: Path) -> None:
+    """Rename, unless another process was faster, whose result is the same."""
+    try:
+        work.rename(folder)
+    except OSError:
+        if not (folder / "arm.json").exists():
+            # Something emptied the folder, a cleaner of temporary files perhaps.
+            shutil.rmtree(folder, ignore_errors=True)
+            work.rename(folder)
 
 
 def _encode(value: Any) -> Any:

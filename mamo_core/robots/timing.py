@@ -10,8 +10,9 @@ from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Trajectory
 
 _RAMP = 0.2
-_CORNER_JUMP = 0.5
+_CORNER_JUMP = 0.45
 _GRID = 0.02
+_RAMP_CUTS = 8
 
 
 def time_path(
@@ -37,15 +38,23 @@ def time_path(
         return Trajectory(np.array([0.0]), path[:1])
     points = np.vstack([path[:1], path[1:][moving]])
     progress = np.concatenate([[0.0], np.cumsum(durations[moving])])
-    # Progress is time at full speed; the grid holds every corner and cuts long pieces.
-    cuts = [
-        np.linspace(a, b, max(1, int(np.ceil((b - a) / _GRID))), endpoint=False)
-        for a, b in pairwise(progress)
-    ]
-    grid = np.concatenate([*cuts, progress[-1:]])
+    # Progress is time at full speed; the grid holds every corner.
+    grid = np.concatenate([*(_cut(a, b) for a, b in pairwise(progress)), progress[-1:]])
     rates = np.minimum(1.0, _corner_rates(points, progress, grid))
     positions = np.stack([np.interp(grid, progress, column) for column in points.T], axis=1)
     return Trajectory(_times(grid, rates), positions)
+
+
+def _cut(start: float, end: float) -> Array:
+    """Grid from ``start`` to before ``end``: even, and close where speed builds up or falls.
+
+    There, equal steps of time are steps of progress that grow as squares.
+    """
+    count = max(2, int(np.ceil((end - start) / _GRID)))
+    even = np.linspace(start, end, count, endpoint=False)
+    ramp = min(_RAMP, end - start) / 2.0 * (np.arange(1, _RAMP_CUTS) / _RAMP_CUTS) ** 2
+    grid = np.unique(np.concatenate([even, start + ramp, end - ramp]))
+    return grid[np.concatenate([[True], np.diff(grid) > 1e-5 * (end - start)])]
 
 
 def _corner_rates(points: Array, progress: Array, grid: Array) -> Array:

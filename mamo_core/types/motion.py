@@ -99,9 +99,12 @@ class Motion:
         return sum(segment.trajectory.duration for segment in self.segments)
 
     def after_transit(self) -> Motion:
-        """The motion without its leading contact-free transits, which cannot move anything."""
+        """The motion without its leading contact-free transits, which cannot move anything.
+
+        A motion that is nothing but such transits stays whole.
+        """
         first = next(
-            i for i, s in enumerate(self.segments) if not (s.contact_free and s.held is None)
+            (i for i, s in enumerate(self.segments) if not s.contact_free or s.held is not None), 0
         )
         opening = self.segments[first - 1].opening if first else self.opening
         return Motion(self.segments[first:], opening)

@@ -35,6 +35,8 @@ class Continuation:
 
     data: Any
     opening: float
+    held: int
+    welds: Any
 
 
 class Engine:
@@ -86,7 +88,7 @@ class Engine:
             steps=self._steps,
             segment_states=tuple(segment_states),
             trace=self._recorder.trace() if self._recorder is not None else None,
-            continuation=(Continuation(copy.copy(self._data), self._opening) if keep else None),
+            continuation=(self._continuation() if keep else None),
         )
 
     def _begin(
@@ -106,7 +108,8 @@ class Engine:
         self._recorder = TraceRecorder(step) if step is not None else None
         if continuation is not None:
             mujoco.mj_copyData(self._data, self._model, continuation.data)
-            self._opening = continuation.opening
+            self._opening, self._held = continuation.opening, continuation.held
+            self._model.eq_data[:] = continuation.welds
         else:
             self._opening = motion.opening
             self._write(state, motion.opening)
@@ -209,6 +212,7 @@ class Engine:
         number = self._problem.scene.index(name)
         if number == self._held:
             return
+        self._data.eq_active[:] = 0
         weld = self._model.equality(f"hold:{name}").id
         tool, item = self._index.tool_body, self._index.bodies[number]
         T = invert(_body_matrix(self._data, tool)) @ _body_matrix(self._data, item)
@@ -217,6 +221,10 @@ class Engine:
         self._model.eq_data[weld, 3:10] = pose
         self._data.eq_active[weld] = 1
         self._held = number
+
+    def _continuation(self) -> Continuation:
+        welds = self._model.eq_data.copy()
+        return Continuation(copy.copy(self._data), self._opening, self._held, welds)
 
     def _poses(self) -> Array:
         poses = np.array(self._problem.initial.object_poses)

@@ -285,9 +285,6 @@ def test_unknown_robot(real_run):
     assert "far.yaml:4:9: " in unknown_robot(real_run, "auto")
 
 
-@pytest.mark.xfail(
-    strict=True, raises=AssertionError, reason="with grasps of its own the place is not named"
-)
 def test_unknown_robot_with_given_grasps(real_run):
     assert "far.yaml:4:9: " in unknown_robot(real_run, GRASP)
 

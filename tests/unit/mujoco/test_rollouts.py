@@ -217,7 +217,6 @@ def test_holding_twice_is_repeatable(grasping, model_of):
     assert same(first, model.rollout(problem.initial, motion))
 
 
-@pytest.mark.xfail(strict=True, raises=AssertionError, reason="a continuation forgets what is held")
 def test_going_on_while_holding(grasping, model_of):
     problem, motion = grasping
     model = model_of(problem)
@@ -232,7 +231,6 @@ def test_going_on_while_holding(grasping, model_of):
     assert np.array_equal(whole.final_state.object_poses, second.final_state.object_poses)
 
 
-@pytest.mark.xfail(strict=True, raises=AssertionError, reason="a continuation forgets what is held")
 def test_letting_go_after_going_on(grasping, model_of):
     problem, motion = grasping
     model = model_of(problem)

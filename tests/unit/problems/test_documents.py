@@ -84,7 +84,7 @@ def test_schema_describes_the_document() -> None:
         (("objects", 0, "mobility"), "sticky", "expected 'movable' or 'immovable'"),
         (("objects", 0, "position"), [0.7, -0.5], "objects.0.position: 2 items"),
         (("schema_version",), 2, "schema_version: 2, expected 1"),
-        (("robot", "name"), "pr3", "robot 'pr3': no default grasps.*panda, pr2_right_arm"),
+        (("robot", "name"), "pr3", "robot 'pr3' is not known.*panda, pr2_right_arm"),
         (("robot", "home"), [0.0], "home has 1 joints, the initial configuration 7"),
         (("workspace", "lower"), [0.48, 0.9, 0.77], "lower .* must be below upper"),
         (("colour",), "red", "unknown key 'colour'"),

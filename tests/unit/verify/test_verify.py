@@ -208,11 +208,6 @@ def test_a_contact_free_segment_that_touches(failures, plan):
     assert failures(with_action(plan, motion)) == ("sweep: the arm's mesh touches blocker",)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    raises=AssertionError,
-    reason="segments called 'gripper' are not checked with meshes",
-)
 def test_its_name_does_not_make_a_segment_contact_free(failures, plan):
     motion = with_segment(
         plan.actions[0].motion, SegmentKind.SWEEP, contact_free=True, kind=SegmentKind.GRIPPER
@@ -227,9 +222,6 @@ def at_rest(problem, robot, **changes):
     return Motion((MotionSegment(SegmentKind.CARRY, standing, closed, **changes),), closed)
 
 
-@pytest.mark.xfail(
-    strict=True, raises=AssertionError, reason="the hand may hold the target from any distance"
-)
 def test_the_target_is_not_held_from_afar(problem, planner, failures):
     """The arm stays at home and claims to hold the target, which stands in the shelf."""
     assert failures(Plan((), at_rest(problem, planner.context.robot, held="target")))
