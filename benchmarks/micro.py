@@ -74,11 +74,12 @@ def measure_all() -> tuple[dict[str, float], dict[str, str]]:
     from measures import arm, collision, mapf, push, startup
 
     from mamo_core.plugins import discover
-    from mamo_core.warmup import warm_up
+    from mamo_core.warmup import load_kernels, warm_up
 
     registry = discover()
     for piece in warm_up(registry):
         _tell(f"warm-up: {piece}")
+    load_kernels(registry)
     parts: tuple[tuple[str, Callable[[], Any]], ...] = (
         ("collision checks", lambda: collision.measure(registry)),
         ("arm planning", lambda: arm.measure(registry)),

@@ -25,6 +25,7 @@ from mamo_core.problems.generator import level_of
 from mamo_core.recipes import DEFAULT_RECIPE, LoadedRecipe, load_recipe
 from mamo_core.types.problem import Problem
 from mamo_core.types.solution import Plan, Solution, Statistics
+from mamo_core.warmup import load_kernels
 from mamo_core.warmup import warm_up as warm_up_plugins
 
 _WARM_UP_BUDGET = 5.0
@@ -166,6 +167,7 @@ def warm_up(recipe: LoadedRecipe, registry: Registry) -> None:
     """Compile, import and cache what the first problem would otherwise pay for."""
     for piece in warm_up_plugins(registry):
         _tell(f"warm-up: {piece}")
+    load_kernels(registry)
     _tell("warm-up: a first problem")
     problem = generate_shelf(movables=3, seed=1)
     planner = compose(recipe, problem, registry)

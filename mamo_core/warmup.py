@@ -3,45 +3,65 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 
+from mamo_core.hookspecs import Component
 from mamo_core.plugins import Registry, discover
 
 
 def warm_up(registry: Registry) -> Iterator[str]:
     """Build the robots we know, then run the ``warm_up`` of every plugin that has one.
 
-    Plugins compile side by side, each in a process of its own; what they leave on disk is then
-    loaded here, so that this process is warm, too. Yields the name of each piece when it is done.
+    Plugins compile side by side, each in a process of its own; what they leave is on disk. Yields
+    the name of each piece when it is done.
     """
     from mamo_core.robots.specs import SPECS
 
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(mp_context=context) as pool:
-        yield from _done(pool, "robot", _build_robot, list(SPECS))
-        yield from _done(pool, "plugin", _warm_plugin, list(registry.warm_ups))
-    for run in registry.warm_ups.values():
-        run()
+        for robot, _ in _done(pool, _build_robot, list(SPECS)):
+            yield f"robot {robot}"
+        for plugin, known in _done(pool, _warm_plugin, list(registry.warm_ups)):
+            if not known:
+                registry.warm_ups[plugin]()
+            yield f"plugin {plugin}"
+
+
+def load_kernels(registry: Registry, components: Collection[Component] | None = None) -> None:
+    """Have this process read what was compiled, so that nothing waits for it later.
+
+    With ``components`` only the plugins that brought one of them are loaded.
+    """
+    wanted = {
+        item.plugin
+        for item in registry.registered
+        if components is None or item.component in components
+    }
+    for plugin, run in registry.warm_ups.items():
+        if plugin in wanted:
+            run()
 
 
 def _done(
-    pool: ProcessPoolExecutor, kind: str, task: Callable[[str], None], names: Sequence[str]
-) -> Iterator[str]:
-    running: dict[Future[None], str] = {pool.submit(task, name): name for name in names}
+    pool: ProcessPoolExecutor, task: Callable[[str], bool], names: Sequence[str]
+) -> Iterator[tuple[str, bool]]:
+    running: dict[Future[bool], str] = {pool.submit(task, name): name for name in names}
     for future in as_completed(running):
-        future.result()
-        yield f"{kind} {running[future]}"
+        yield running[future], future.result()
 
 
-def _build_robot(name: str) -> None:
+def _build_robot(name: str) -> bool:
     from mamo_core.robots import load_arm
 
     load_arm(name)
+    return True
 
 
-def _warm_plugin(name: str) -> None:
-    """A plugin that is registered by hand alone is unknown here; its own process warms it."""
+def _warm_plugin(name: str) -> bool:
+    """False for a plugin that another process registered by hand: it is unknown here."""
     run = discover().warm_ups.get(name)
-    if run is not None:
-        run()
+    if run is None:
+        return False
+    run()
+    return True

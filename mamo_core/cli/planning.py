@@ -20,6 +20,7 @@ from mamo_core.recipe_sets import apply_sets, override
 from mamo_core.recipes import LoadedRecipe, find_recipe, load_recipe
 from mamo_core.types.problem import Problem
 from mamo_core.types.solution import Plan
+from mamo_core.warmup import load_kernels
 
 if TYPE_CHECKING:
     from mamo_core.verify import VerifyReport
@@ -51,10 +52,9 @@ def run_plan(order: PlanOrder, *, as_json: bool) -> int:
     registry = discover()
     warn_of_broken_plugins(registry)
     with progress() as tell:
-        choose(recipe, problem, registry)  # complain before anything slow
+        choices = choose(recipe, problem, registry)  # complains before anything slow
         tell("loading kernels (the first time they are compiled: about half a minute)")
-        for run in registry.warm_ups.values():
-            run()
+        load_kernels(registry, [choice.component for choice in choices])
         tell(f"building planner {recipe.recipe.name!r} for {problem.name!r}")
         report = _solve(compose(recipe, problem, registry), order, tell)
     _write(order, problem, recipe, report)

@@ -68,12 +68,13 @@ def test_schema_allows_short_parts(run):
 
 
 def test_warmup_runs_what_plugins_bring(run, monkeypatch):
-    toys = make_registry([("toys", lambda: importlib.import_module("toy_plugin"))])
+    # Under a name that no other process knows, so that it is run here, where we can look.
+    toys = make_registry([("by_hand", lambda: importlib.import_module("toy_plugin"))])
     monkeypatch.setattr("mamo_core.plugins.discover", lambda: toys)  # ours would compile for long
     done = run("warmup")
     assert done.code == 0
     assert done.out.startswith("ready after ")
-    assert "plugin toys" in done.err
+    assert "plugin by_hand is ready" in done.err
     assert sys.modules["toy_plugin"].WARMED == ["toy"]
 
 

@@ -40,12 +40,12 @@ class Plan:
 class SinglePlanner:
     """Low-level searches on one model; ``expansions`` used and ``limit`` allowed, in all."""
 
-    def __init__(self, model: Model, limit: int) -> None:
+    def __init__(self, model: Model, limit: int, workspace: Workspace | None = None) -> None:
         self.model = model
         self.limit = limit
         self.expansions = 0
         # Memory that is never touched costs nothing; growing it later does.
-        self._work = _workspace(1 << 14, 128, 8192)
+        self.workspace = workspace if workspace is not None else _workspace(1 << 14, 128, 8192)
 
     def plan(
         self,
@@ -79,24 +79,24 @@ class SinglePlanner:
                 self.limit - self.expansions,
             )
             outcome, node, cost, bound, used = plan(
-                query, grid, rows, others, self.model.tables, self._work
+                query, grid, rows, others, self.model.tables, self.workspace
             )
             self.expansions += used
-            if outcome != OUT_OF_ROOM or len(self._work.nodes) >= MAX_NODES:
+            if outcome != OUT_OF_ROOM or len(self.workspace.nodes) >= MAX_NODES:
                 break
-            self._work = _workspace(4 * len(self._work.nodes), *self._work.best.shape)
+            self.workspace = _workspace(4 * len(self.workspace.nodes), *self.workspace.best.shape)
         if outcome == FOUND:
-            return Plan(trace(node, self._work.nodes, grid), cost, bound)
+            return Plan(trace(node, self.workspace.nodes, grid), cost, bound)
         if outcome == NO_PATH:
             return None
         raise WorkOutError
 
     def _fit(self, horizon: int, cells: int) -> None:
         rows = 2 * (horizon + 1)
-        have = self._work.best.shape
+        have = self.workspace.best.shape
         if rows > have[0] or cells > have[1]:
             shape = max(2 * rows, have[0]), max(cells, have[1])
-            self._work = _workspace(len(self._work.nodes), *shape)
+            self.workspace = _workspace(len(self.workspace.nodes), *shape)
 
 
 def _workspace(nodes: int, layers: int, cells: int) -> Workspace:

@@ -12,6 +12,7 @@ from mamo_core.interfaces.mapf_solver import MAPFSolver
 from mamo_core.types.geometry import Array
 from mamo_core.types.mapf import MAPFAgent, MAPFBudget, MAPFProblem, MAPFSolution, MAPFStatus
 from mamo_planners.mapf.conflict_search import ConflictSearch, Outcome
+from mamo_planners.mapf.low_level import Workspace
 from mamo_planners.mapf.model import UNIT, Model
 from mamo_planners.mapf.prioritized import prioritized
 from mamo_planners.mapf.single import SinglePlanner, nowhere
@@ -30,6 +31,8 @@ class StagedSolver(MAPFSolver):
 
     def __init__(self, stages: tuple[tuple[float, float, Stage], ...]) -> None:
         self._stages = stages
+        # Stamped entries of one search mean nothing to the next: only the memory is shared.
+        self._workspace: Workspace | None = None
 
     def solve(
         self, problem: MAPFProblem, budget: MAPFBudget, rng: np.random.Generator
@@ -42,7 +45,20 @@ class StagedSolver(MAPFSolver):
         blame = {name: reason for name, reason in reasons.items() if reason}
         if blame:
             return MAPFSolution(MAPFStatus.INFEASIBLE, lower_bound=float("inf"), blame=blame)
-        planner = SinglePlanner(model, 0)
+        planner = SinglePlanner(model, 0, self._workspace)
+        try:
+            return self._staged(problem, budget, rng, model, planner)
+        finally:
+            self._workspace = planner.workspace
+
+    def _staged(
+        self,
+        problem: MAPFProblem,
+        budget: MAPFBudget,
+        rng: np.random.Generator,
+        model: Model,
+        planner: SinglePlanner,
+    ) -> MAPFSolution:
         bound, nodes = 0, 0
         shares = sum(stage[0] for stage in self._stages)
         for share, factor, search in self._stages:
