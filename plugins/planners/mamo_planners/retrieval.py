@@ -24,7 +24,9 @@ from mamo_planners.options import RetrievalOptions
 _GRIPPER_TIME = 0.5
 _LEAST_LIFT = 0.003
 _CANDIDATE_SEED = 0
+_THOROUGH = 6
 _REACH_STEP = 0.01
+_APPROACH_SHARES = (1.0, 0.65)
 _TOOL_SPEED_STEP = 0.1
 
 
@@ -58,7 +60,10 @@ class GraspAndExtract(RetrievalPlanner):
         self._target = scene.objects[scene.target_index]
         self._movables = [o.name for o in scene.objects if o.mobility is Mobility.MOVABLE]
         self._static_causes: Counter[str] = Counter()
-        self._candidates = self._find_candidates()
+        # Tight places leave few arm configurations: look harder before saying there are none.
+        self._candidates = self._find_candidates(options.branches) or self._find_candidates(
+            _THOROUGH * options.branches
+        )
 
     def plan(
         self,
@@ -110,7 +115,7 @@ class GraspAndExtract(RetrievalPlanner):
         index = self._problem.scene.target_index
         return matrix_from_pose(self._problem.initial.object_poses[index])
 
-    def _find_candidates(self) -> list[_Candidate]:
+    def _find_candidates(self, branches: int) -> list[_Candidate]:
         rng = np.random.default_rng(_CANDIDATE_SEED)
         poses = self._problem.initial.object_poses
         worlds: dict[float, CollisionWorld] = {}
@@ -123,7 +128,7 @@ class GraspAndExtract(RetrievalPlanner):
             if not self._within_reach(T_grasp):
                 self._static_causes["out_of_reach"] += 1
                 continue
-            solutions = self._kinematics.inverse(T_grasp, rng, count=self._options.branches)
+            solutions = self._kinematics.inverse(T_grasp, rng, count=branches)
             if not len(solutions):
                 self._static_causes["grasp_no_ik"] += 1
             if grasp.opening not in worlds:
@@ -154,10 +159,8 @@ class GraspAndExtract(RetrievalPlanner):
             self._static_causes["grasp_in_collision"] += 1
             return None
         T = self._kinematics.forward(q)
-        T_back = T.copy()
-        T_back[:3, 3] -= grasp.approach * T[:3, 0]
-        back = self._kinematics.follow_line(q, T_back, step=_REACH_STEP)
-        if back.fraction < 1.0 or not world.free(back.path).all():
+        back = self._back_path(q, T, grasp.approach, world)
+        if back is None:
             self._static_causes["reach_blocked"] += 1
             return None
         lift = self._lift_path(q, T)
@@ -168,7 +171,19 @@ class GraspAndExtract(RetrievalPlanner):
         if lift is None or not carried.free(lift[-1])[0]:
             self._static_causes["lift_blocked"] += 1
             return None
-        return _Candidate(number, grasp, back.path[::-1], lift, held)
+        return _Candidate(number, grasp, back[::-1], lift, held)
+
+    def _back_path(
+        self, q: Array, T: Array, approach: float, world: CollisionWorld
+    ) -> Array | None:
+        """Straight back from the grasp, by less where the full approach does not fit."""
+        for share in _APPROACH_SHARES:
+            T_back = T.copy()
+            T_back[:3, 3] -= share * approach * T[:3, 0]
+            line = self._kinematics.follow_line(q, T_back, step=_REACH_STEP)
+            if line.fraction == 1.0 and world.free(line.path).all():
+                return line.path
+        return None
 
     def _lift_path(self, q: Array, T: Array) -> Array | None:
         """Straight up by as much as the ceiling leaves, at most the option's lift."""
