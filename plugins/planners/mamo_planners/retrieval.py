@@ -116,6 +116,7 @@ class GraspAndExtract(RetrievalPlanner):
         return matrix_from_pose(self._problem.initial.object_poses[index])
 
     def _find_candidates(self, branches: int) -> list[_Candidate]:
+        self._static_causes.clear()
         rng = np.random.default_rng(_CANDIDATE_SEED)
         poses = self._problem.initial.object_poses
         worlds: dict[float, CollisionWorld] = {}
