@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mamo_core.robots.kinematics import finger_transforms
-from mamo_core.robots.model import ArmModel
+from mamo_core.robots.model import ArmModel, LinkModel
 from mamo_core.types.geometry import Array, Box, IntArray, Shape, matrix_from_pose
 from mamo_core.types.scene import Scene
 
@@ -277,18 +277,32 @@ def _first_active(
     links = [link for link in arm.links if link.coordinate >= 0]
     if any(link.prismatic for link in links):
         return 0
-    root = (T_world_base @ links[0].T_parent_joint)[:3, 3]
+    T_root = T_world_base @ links[0].T_parent_joint
+    own_low, own_high = _turned_bounds(links[0], T_root)
+    around = ((low - margin <= own_high) & (high + margin >= own_low)).all(axis=1)
+    if any(near and first == 0 for near, first in zip(around, first_links, strict=True)):
+        return 0
+    root = T_root[:3, 3]
     gaps = np.linalg.norm(np.maximum(np.maximum(low - root, root - high), 0.0), axis=1)
     stretch = 0.0
-    for number, link in enumerate(links):
-        if number:
-            stretch += float(np.linalg.norm(link.T_parent_joint[:3, 3]))
+    for number, link in enumerate(links[1:], start=1):
+        stretch += float(np.linalg.norm(link.T_parent_joint[:3, 3]))
         own = np.linalg.norm(link.spheres[:, :3], axis=1) + link.spheres[:, 3]
         reach = stretch + float(own.max(initial=0.0)) + margin
         near = [g for g, first in zip(gaps, first_links, strict=True) if first <= number]
         if number == len(links) - 1 or any(gap <= reach for gap in near):
             return number
     return 0
+
+
+def _turned_bounds(link: LinkModel, T: Array) -> tuple[Array, Array]:
+    """Axis-aligned bounds (3,), (3,) of a link that turns all around its axis at ``T`` (4, 4)."""
+    axis = T[:3, :3] @ link.axis
+    along = link.spheres[:, :3] @ link.axis
+    away = np.linalg.norm(link.spheres[:, :3] - along[:, None] * link.axis, axis=1)
+    middle = T[:3, 3] + along[:, None] * axis
+    spread = away[:, None] * np.sqrt(np.maximum(1.0 - axis**2, 0.0)) + link.spheres[:, 3:]
+    return (middle - spread).min(axis=0), (middle + spread).max(axis=0)
 
 
 def _half_extents(shape: Shape) -> Array:
