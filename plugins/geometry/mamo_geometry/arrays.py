@@ -279,8 +279,8 @@ def _first_active(
         return 0
     T_root = T_world_base @ links[0].T_parent_joint
     own_low, own_high = _turned_bounds(links[0], T_root)
-    around = ((low - margin <= own_high) & (high + margin >= own_low)).all(axis=1)
-    if any(near and first == 0 for near, first in zip(around, first_links, strict=True)):
+    around = np.all((low - margin <= own_high) & (high + margin >= own_low), axis=1)
+    if (around & (np.array(first_links) == 0)).any():
         return 0
     root = T_root[:3, 3]
     gaps = np.linalg.norm(np.maximum(np.maximum(low - root, root - high), 0.0), axis=1)
