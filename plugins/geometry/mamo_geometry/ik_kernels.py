@@ -188,8 +188,7 @@ def inverse_batch(
     return count
 
 
-# Slices and whole-array expressions would read better here and below, but each one adds a second
-# to the compilation; loops do not.
+# Slices and whole-array expressions would read better here and below, but they compile slowly.
 
 
 @njit(cache=True, error_model="numpy")

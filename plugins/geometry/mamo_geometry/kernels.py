@@ -8,8 +8,7 @@ from numba import njit
 from mamo_core.types.geometry import Array, BoolArray, IntArray
 from mamo_geometry.arrays import ChainArrays, SphereArrays, WorldArrays
 
-# Small functions are inlined by force: a call would copy the descriptors of all arrays, which costs
-# more than the arithmetic.
+# Small functions are inlined by force: a call would copy the descriptors of all arrays.
 
 EDGE_STEP = 0.02
 """An edge is checked every so many metres that its furthest moving point may travel."""
@@ -17,7 +16,7 @@ EDGE_STEP = 0.02
 
 @njit(cache=True, fastmath=True, error_model="numpy", forceinline=True)
 def sine_cosine(x: float) -> tuple[float, float]:
-    """Sine and cosine of an angle of a few turns, to 1e-15, in a third of the library's time.
+    """Sine and cosine of an angle of a few turns, to 1e-15, faster than two calls of the library.
 
     Reduction to an eighth of a turn, then the polynomials of fdlibm's kernels.
     """

@@ -19,5 +19,5 @@ class MuJoCoOptions(Options):
         description="limit of every servo, N m; a saturated stiff servo chatters, so it is wide "
         "and an arm that cannot follow is reported as stalled",
     )
-    sleep: bool = Field(True, description="let resting objects sleep: twice as fast")
+    sleep: bool = Field(True, description="let resting objects sleep: faster")
     batch_threads: int = Field(2, ge=1, description="threads of rollout_batch")
