@@ -44,8 +44,8 @@ class SinglePlanner:
         self.model = model
         self.limit = limit
         self.expansions = 0
-        # Memory that is never touched costs nothing; growing it later does.
-        self.workspace = workspace if workspace is not None else _workspace(1 << 14, 128, 8192)
+        # Small at first: touching new memory costs more than most searches do.
+        self.workspace = workspace if workspace is not None else _workspace(1 << 12, 0, 0)
 
     def plan(
         self,
@@ -95,7 +95,7 @@ class SinglePlanner:
         rows = 2 * (horizon + 1)
         have = self.workspace.best.shape
         if rows > have[0] or cells > have[1]:
-            shape = max(2 * rows, have[0]), max(cells, have[1])
+            shape = max(2 * rows, have[0]), max(cells + cells // 8, have[1])
             self.workspace = _workspace(len(self.workspace.nodes), *shape)
 
 
