@@ -39,9 +39,22 @@ def deepest(positions: Array, lowest: Array) -> float:
     return depth
 
 
+@njit(cache=True)
+def largest_gap(values: Array, reference: Array) -> float:
+    """Largest absolute difference between two arrays (n,)."""
+    gap = 0.0
+    for i in range(values.shape[0]):
+        gap = max(gap, abs(values[i] - reference[i]))
+    return gap
+
+
 def warm_up() -> None:
     """Compile the screens (or read them from numba's cache)."""
     rows = np.zeros((1, 3))
     least_cosine(rows, rows)
     largest_square(rows)
     deepest(rows, rows[:, 0].copy())
+    writable, frozen = np.zeros(1), np.zeros(1)
+    frozen.flags.writeable = False
+    largest_gap(writable, writable)
+    largest_gap(writable, frozen)

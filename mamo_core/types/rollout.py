@@ -78,6 +78,8 @@ class RolloutResult:
     ``segment_states``: the state at the START of each executed segment. ``moved``: objects
     displaced by more than 1 cm. ``contacts``: pairs of names that touched. ``stalled``: the arm
     could not follow. ``continuation``: opaque, for models with the capability exact_continuation.
+    ``lost``: why the engine gave no result (it crashed or hung); the rest then means nothing.
+    ``outside_cpu``: CPU seconds spent in other processes; not part of the outcome.
     """
 
     final_state: SceneState
@@ -90,11 +92,13 @@ class RolloutResult:
     segment_states: tuple[SceneState, ...] = ()
     trace: Trace | None = None
     continuation: Any = None
+    lost: str | None = None
+    outside_cpu: float = 0.0
 
     @property
     def valid(self) -> bool:
-        """No constraint broken and the arm arrived."""
-        return not self.violations and not self.stalled
+        """The engine survived, no constraint is broken and the arm arrived."""
+        return self.lost is None and not self.violations and not self.stalled
 
 
 NO_CONTACTS: IntArray = np.zeros((0, 2), dtype=np.int64)

@@ -78,14 +78,19 @@ class Solution:
     info: Mapping[str, Any] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass
 class Budget:
     """The outermost limit: CPU ``seconds`` from ``started`` (process time), or infinite."""
 
     seconds: float = float("inf")
     started: float = field(default_factory=time.process_time)
+    elsewhere: float = 0.0
+
+    def charge(self, seconds: float) -> None:
+        """Count CPU seconds that other processes spent for this search."""
+        self.elsewhere += seconds
 
     @property
     def exhausted(self) -> bool:
         """Whether the time is up."""
-        return time.process_time() - self.started >= self.seconds
+        return time.process_time() - self.started + self.elsewhere >= self.seconds

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from mamo_core.types.geometry import Array, BoolArray, IntArray
+from mamo_core.types.geometry import Array, IntArray
 
 
 @njit(cache=True)
@@ -26,23 +26,13 @@ def observe(
 
 
 @njit(cache=True)
-def contact_pairs(geoms: IntArray, entity: IntArray, touched: BoolArray) -> IntArray:
-    """Entity pairs (k, 2), ascending, of contacts given as geom pairs; marks ``touched``."""
+def contact_pairs(geoms: IntArray, entity: IntArray) -> IntArray:
+    """Entity pairs (k, 2), ascending, of contacts given as geom pairs."""
     pairs = np.empty((geoms.shape[0], 2), dtype=np.int64)
     for n in range(geoms.shape[0]):
         a, b = entity[geoms[n, 0]], entity[geoms[n, 1]]
         pairs[n, 0], pairs[n, 1] = min(a, b), max(a, b)
-        touched[pairs[n, 0], pairs[n, 1]] = True
     return pairs
-
-
-@njit(cache=True)
-def largest_gap(qpos: Array, addresses: IntArray, reference: Array) -> float:
-    """Largest difference between the coordinates at ``addresses`` and ``reference``."""
-    gap = 0.0
-    for j in range(addresses.shape[0]):
-        gap = max(gap, abs(qpos[addresses[j]] - reference[j]))
-    return gap
 
 
 @njit(cache=True)
@@ -60,6 +50,5 @@ def warm_up() -> None:
     one = np.zeros(1, dtype=np.int64)
     rows, matrix, flat = np.zeros((1, 3)), np.zeros((1, 9)), np.zeros(6)
     observe(rows, matrix, flat, one, one, one)
-    contact_pairs(np.zeros((1, 2), dtype=np.int32), one, np.zeros((1, 1), dtype=np.bool_))
-    largest_gap(flat, one, flat)
+    contact_pairs(np.zeros((1, 2), dtype=np.int32), one)
     at_rest(flat, one, 1.0, 1.0)

@@ -10,19 +10,20 @@ from typing import Any
 import mujoco
 
 from mamo_core.interfaces.constraint import InteractionConstraint
-from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
+from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.robots.model import ArmModel
+from mamo_core.simulation.model import SimulatedModel
 from mamo_core.types.motion import Motion
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import SceneState
-from mamo_mujoco.engine import Continuation, Engine
+from mamo_mujoco.engine import MuJoCoWorld
 from mamo_mujoco.options import MuJoCoOptions
 from mamo_mujoco.world import build_model, index_of
 
 
-class MuJoCoModel(TransitionModel):
-    """Resets and writes before every rollout, so that the result depends on nothing else."""
+class MuJoCoModel(SimulatedModel):
+    """MuJoCo in this process; batches run in threads."""
 
     def __init__(
         self,
@@ -31,30 +32,9 @@ class MuJoCoModel(TransitionModel):
         constraints: tuple[InteractionConstraint, ...],
         options: MuJoCoOptions,
     ) -> None:
-        self._problem, self._arm, self._constraints = problem, arm, constraints
-        self._options = options
-        self._model = build_model(problem, arm, options)
-        self._index = index_of(self._model, problem, arm)
-        self._engine = self._engine_for(self._model)
-
-    def rollout(
-        self,
-        state: SceneState,
-        motion: Motion,
-        *,
-        parameters: ParameterOverrides | None = None,
-        options: RolloutOptions | None = None,
-        continue_from: Any = None,
-    ) -> RolloutResult:
-        chosen = options if options is not None else RolloutOptions()
-        if continue_from is not None and not isinstance(continue_from, Continuation):
-            raise ValueError(
-                f"continue_from: {type(continue_from).__name__}, expected a continuation of mujoco"
-            )
-        if parameters is not None:
-            engine = self._engine_for(self._with(parameters))
-            return engine.run(state, motion, chosen, continue_from, keep=False)
-        return self._engine.run(state, motion, chosen, continue_from, keep=chosen.keep)
+        self._worlds = MuJoCoWorlds(problem, arm, options)
+        self._threads = options.batch_threads
+        super().__init__(problem, arm, constraints, self._worlds)
 
     def rollout_batch(
         self,
@@ -66,29 +46,42 @@ class MuJoCoModel(TransitionModel):
     ) -> list[RolloutResult]:
         """Side by side in threads (the engine lets the interpreter go while it steps)."""
         overrides = parameters if parameters is not None else [None] * len(states)
-        chosen = options if options is not None else RolloutOptions()
 
         def one(job: tuple[SceneState, Motion, ParameterOverrides | None]) -> RolloutResult:
             state, motion, override = job
-            model = copy.copy(self._model) if override is None else self._with(override)
-            return self._engine_for(model).run(state, motion, chosen, None, keep=False)
+            model = SimulatedModel(
+                self._problem, self._arm, self._constraints, lambda _: self._worlds(override)
+            )
+            return model.rollout(state, motion, options=options)
 
         jobs = list(zip(states, motions, overrides, strict=True))
-        with ThreadPoolExecutor(self._options.batch_threads) as pool:
+        with ThreadPoolExecutor(self._threads) as pool:
             return list(pool.map(one, jobs))
 
-    def _engine_for(self, model: Any) -> Engine:
-        lead = self._options.damping / self._options.stiffness
-        return Engine(self._problem, self._arm, model, self._index, self._constraints, lead)
 
-    def _with(self, parameters: ParameterOverrides) -> Any:
-        """A copy of the model with other masses and frictions."""
+class MuJoCoWorlds:
+    """Makes worlds of one problem; it is compiled once."""
+
+    def __init__(self, problem: Problem, arm: ArmModel, options: MuJoCoOptions) -> None:
+        self._problem = problem
+        self._lead = options.damping / options.stiffness
+        self._model = build_model(problem, arm, options)
+        self._index = index_of(self._model, problem, arm)
+
+    def __call__(self, parameters: ParameterOverrides | None) -> MuJoCoWorld:
         model = copy.copy(self._model)
+        if parameters is not None:
+            self._change(model, parameters)
+        return MuJoCoWorld(self._problem, model, self._index, self._lead)
+
+    def _change(self, model: Any, parameters: ParameterOverrides) -> None:
+        scene = self._problem.scene
         for name, mass in parameters.masses.items():
-            body = self._body(model, name)
+            scene.index(name)  # the error names the objects there are
+            body = model.body(name).id
             model.body_inertia[body] *= mass / model.body_mass[body]
             model.body_mass[body] = mass
-        frictions = {o.name: o.friction for o in self._problem.scene.objects}
+        frictions = {o.name: o.friction for o in scene.objects}
         frictions.update(parameters.frictions)
         for name in parameters.frictions:
             model.geom_friction[model.geom(name).id, 0] = frictions[name]
@@ -96,8 +89,3 @@ class MuJoCoModel(TransitionModel):
             one, other = model.pair(pair).name.split("|")
             model.pair_friction[pair, :2] = frictions[one] * frictions[other]
         mujoco.mj_setConst(model, mujoco.MjData(model))
-        return model
-
-    def _body(self, model: Any, name: str) -> int:
-        self._problem.scene.index(name)
-        return int(model.body(name).id)

@@ -117,18 +117,19 @@ def test_masses_in_the_model(cases, arm):
 
 def test_overrides_reach_geoms_pairs_and_bodies(cases, model):
     """In a copy: the model itself is as before."""
-    before = model._model.pair_friction.copy(), model._model.body_mass.copy()
-    changed = model._with(ParameterOverrides({"can": 0.7}, {"bystander": 0.25}))
+    worlds = model._worlds
+    before = worlds._model.pair_friction.copy(), worlds._model.body_mass.copy()
+    changed = worlds(ParameterOverrides({"can": 0.7}, {"bystander": 0.25}))._model
     assert changed.body("can").mass[0] == 0.7
-    ratio = changed.body("can").inertia / model._model.body("can").inertia
+    ratio = changed.body("can").inertia / worlds._model.body("can").inertia
     np.testing.assert_allclose(ratio, 0.7 / 0.2)
     assert changed.geom("bystander").friction[0] == 0.25
     frictions = {o.name: o.friction for o in cases.problem.scene.objects} | {"bystander": 0.25}
     for pair in range(changed.npair):
         one, other = changed.pair(pair).name.split("|")
         assert changed.pair_friction[pair, 0] == frictions[one] * frictions[other]
-    assert np.array_equal(model._model.pair_friction, before[0])
-    assert np.array_equal(model._model.body_mass, before[1])
+    assert np.array_equal(worlds._model.pair_friction, before[0])
+    assert np.array_equal(worlds._model.body_mass, before[1])
 
 
 def test_unknown_objects_in_overrides_are_refused(cases, model):

@@ -1,0 +1,63 @@
+"""What a physics engine must be able to do; ``mamo_core.simulation`` does the rest."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar
+
+from mamo_core.types.geometry import Array
+from mamo_core.types.rollout import StepObservation
+from mamo_core.types.scene import SceneState
+
+
+class SimulatedWorld(ABC):
+    """One engine's world of one problem, used by one thread at a time.
+
+    Everything is a function of the last ``reset`` (or ``restore``) and of the commands since then.
+    """
+
+    exact_snapshots: ClassVar[bool] = False
+    """Whether ``snapshot`` and ``restore`` continue bit for bit; otherwise motions are replayed."""
+
+    time_step: float
+    """Simulated seconds of one ``step``."""
+
+    @abstractmethod
+    def reset(self, state: SceneState, drive: float) -> None:
+        """Put everything where ``state`` says, at rest, the fingers at ``drive``, nothing held."""
+
+    @abstractmethod
+    def command(self, positions: Array, velocities: Array, drive: float) -> None:
+        """Where the arm should be after the next step: (dof,) rad, rad/s; finger joints."""
+
+    @abstractmethod
+    def step(self) -> None:
+        """Simulate ``time_step`` seconds."""
+
+    @abstractmethod
+    def observe(self, time: float, held: int) -> StepObservation:
+        """What the constraints are shown; both arguments go into it as they are."""
+
+    @abstractmethod
+    def joint_positions(self) -> Array:
+        """Arm joints (dof,), rad."""
+
+    @abstractmethod
+    def object_poses(self) -> Array:
+        """Poses (n, 7) of all objects, in the order of the scene; a new array."""
+
+    @abstractmethod
+    def at_rest(self, speed: float, spin: float) -> bool:
+        """Whether every component of all velocities (m/s) and spins (rad/s) is below its bound."""
+
+    @abstractmethod
+    def hold(self, place: int) -> None:
+        """Fix object number ``place`` to the tool link where it is now; -1 lets go."""
+
+    def snapshot(self) -> Any:
+        """The whole state, for ``restore`` in a world of the same problem; it can be pickled."""
+        raise NotImplementedError(f"{type(self).__name__} has no snapshots")
+
+    def restore(self, snapshot: Any) -> None:
+        """Go on exactly where the snapshot was taken."""
+        raise NotImplementedError(f"{type(self).__name__} has no snapshots")

@@ -1,0 +1,132 @@
+"""A transition model made of an engine's worlds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from mamo_core.interfaces.constraint import InteractionConstraint
+from mamo_core.interfaces.simulated_world import SimulatedWorld
+from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
+from mamo_core.robots.model import ArmModel
+from mamo_core.simulation.run import MotionRun
+from mamo_core.types.motion import Motion
+from mamo_core.types.problem import Problem
+from mamo_core.types.rollout import ParameterOverrides, RolloutResult
+from mamo_core.types.scene import SceneState
+
+WorldFactory = Callable[[ParameterOverrides | None], SimulatedWorld]
+"""A new world, with other masses and frictions if some are given."""
+
+
+@dataclass(frozen=True, eq=False)
+class Continuation:
+    """Where a rollout ended: a ``snapshot`` of the world, or how to get there again.
+
+    ``start`` and ``motions`` (each with whether it stops early) are what has been executed, kept
+    only without a snapshot.
+    """
+
+    start: SceneState
+    motions: tuple[tuple[Motion, bool], ...]
+    snapshot: Any
+    opening: float
+    held: int
+
+
+class SimulatedModel(TransitionModel):
+    """Resets its world before every rollout, so that the result depends on nothing else.
+
+    Worlds without exact snapshots are continued by executing everything again, which gives the
+    same bits as every rollout is a function of its arguments.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        arm: ArmModel,
+        constraints: Sequence[InteractionConstraint],
+        make_world: WorldFactory,
+    ) -> None:
+        self._problem, self._arm, self._constraints = problem, arm, tuple(constraints)
+        self._make_world = make_world
+        self._nominal = make_world(None)
+
+    def rollout(
+        self,
+        state: SceneState,
+        motion: Motion,
+        *,
+        parameters: ParameterOverrides | None = None,
+        options: RolloutOptions | None = None,
+        continue_from: Any = None,
+    ) -> RolloutResult:
+        world = self._nominal if parameters is None else self._make_world(parameters)
+        chosen = options if options is not None else RolloutOptions()
+        if continue_from is None:
+            return self._fresh(world, state, motion, chosen)
+        if not isinstance(continue_from, Continuation):
+            raise ValueError(
+                f"continue_from: {type(continue_from).__name__}, expected what an earlier "
+                "rollout gave as its continuation"
+            )
+        if parameters is not None:
+            raise ValueError("continue_from: cannot be continued with other parameters")
+        return self._continued(world, state, motion, chosen, continue_from)
+
+    def _fresh(
+        self, world: SimulatedWorld, state: SceneState, motion: Motion, options: RolloutOptions
+    ) -> RolloutResult:
+        world.reset(state, self._arm.gripper.drive(motion.opening))
+        run = self._run(world, options, motion.opening)
+        result = run.execute(motion, state)
+        return self._kept(world, run, result, state, ((motion, options.stop_early),), options)
+
+    def _continued(
+        self,
+        world: SimulatedWorld,
+        state: SceneState,
+        motion: Motion,
+        options: RolloutOptions,
+        before: Continuation,
+    ) -> RolloutResult:
+        if world.exact_snapshots:
+            world.restore(before.snapshot)
+        else:
+            self._replay(world, before)
+        run = self._run(world, options, before.opening, before.held)
+        result = run.execute(motion, state)
+        motions = (*before.motions, (motion, options.stop_early))
+        return self._kept(world, run, result, before.start, motions, options)
+
+    def _replay(self, world: SimulatedWorld, before: Continuation) -> None:
+        opening, held = before.motions[0][0].opening, -1
+        world.reset(before.start, self._arm.gripper.drive(opening))
+        for motion, stop_early in before.motions:
+            run = self._run(world, RolloutOptions(stop_early=stop_early), opening, held)
+            run.execute(motion, before.start)
+            opening, held = run.opening, run.held
+
+    def _run(
+        self, world: SimulatedWorld, options: RolloutOptions, opening: float, held: int = -1
+    ) -> MotionRun:
+        scene, gripper = self._problem.scene, self._arm.gripper
+        return MotionRun(world, scene, gripper, self._constraints, options, opening, held)
+
+    def _kept(
+        self,
+        world: SimulatedWorld,
+        run: MotionRun,
+        result: RolloutResult,
+        start: SceneState,
+        motions: tuple[tuple[Motion, bool], ...],
+        options: RolloutOptions,
+    ) -> RolloutResult:
+        if not options.keep or world is not self._nominal:
+            return result
+        if world.exact_snapshots:
+            token = Continuation(start, (), world.snapshot(), run.opening, run.held)
+        else:
+            token = Continuation(start, motions, None, run.opening, run.held)
+        return replace(result, continuation=token)

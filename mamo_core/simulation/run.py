@@ -1,0 +1,155 @@
+"""Executes one motion in one engine's world while the constraints watch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from mamo_core.constraints.kernels import largest_gap
+from mamo_core.constraints.monitor import ConstraintMonitor
+from mamo_core.constraints.recorder import TraceRecorder
+from mamo_core.interfaces.constraint import InteractionConstraint
+from mamo_core.interfaces.simulated_world import SimulatedWorld
+from mamo_core.interfaces.transition_model import RolloutOptions
+from mamo_core.robots.model import GripperModel
+from mamo_core.types.geometry import Array
+from mamo_core.types.motion import Motion, MotionSegment
+from mamo_core.types.rollout import RolloutResult
+from mamo_core.types.scene import Scene, SceneState, displacements
+
+MOVED = 0.01
+"""An object counts as moved beyond this displacement, m (thesis 5.5.2)."""
+
+LAG, LAG_SECONDS = 0.05, 0.1
+"""The arm is stalled once a joint has been this far behind (rad) for this long (s)."""
+
+HOLD_SECONDS, ARRIVED = 0.16, 0.01
+"""After a segment the arm gets this long (s) to come this close (rad) to its end."""
+
+REST_SECONDS, REST_SPEED, REST_SPIN = 0.02, 0.004, 0.06
+"""Objects rest once they have been this slow (m/s, rad/s) for this long (s)."""
+
+
+class MotionRun:
+    """One motion, from wherever the world stands; ``opening`` (m) and ``held`` are the hand's."""
+
+    def __init__(
+        self,
+        world: SimulatedWorld,
+        scene: Scene,
+        gripper: GripperModel,
+        constraints: Sequence[InteractionConstraint],
+        options: RolloutOptions,
+        opening: float,
+        held: int = -1,
+    ) -> None:
+        self._world, self._scene, self._gripper = world, scene, gripper
+        self._options = options
+        self._step = world.time_step
+        self.opening, self.held = opening, held
+        self._monitor = ConstraintMonitor(constraints)
+        step = options.trace_step
+        self._recorder = TraceRecorder(step) if step is not None else None
+        self._stalled, self._stop = False, False
+        self._time, self._steps, self._late = 0.0, 0, 0
+        count = len(scene.entities)
+        self._touched = np.zeros((count, count), dtype=np.bool_)
+
+    def execute(self, motion: Motion, state: SceneState) -> RolloutResult:
+        """Run to the end or to where the rollout stops; ``state`` is where the world stands."""
+        self._record(self.opening)
+        segment_states = []
+        for segment in motion.segments:
+            segment_states.append(self._state())
+            if not self._segment(segment):
+                break
+        final = self._state()
+        names = [o.name for o in self._scene.objects]
+        return RolloutResult(
+            final_state=final,
+            violations=tuple(self._monitor.violations),
+            moved=tuple(names[i] for i in np.flatnonzero(displacements(state, final) > MOVED)),
+            contacts=self._contacts(),
+            stalled=self._stalled,
+            duration=self._steps * self._step,
+            steps=self._steps,
+            segment_states=tuple(segment_states),
+            trace=self._recorder.trace() if self._recorder is not None else None,
+        )
+
+    def _segment(self, segment: MotionSegment) -> bool:
+        """Execute one segment; False if the rollout ends here."""
+        self._hold(segment.held)
+        trajectory = segment.trajectory
+        count = int(np.ceil(trajectory.duration / self._step - 1e-9))
+        positions = trajectory.at(np.arange(1, count + 1, dtype=np.float64) * self._step)
+        before = np.vstack([trajectory.positions[:1], positions[:-1]])
+        velocities = (positions - before) / self._step
+        openings = np.linspace(self.opening, segment.opening, count + 1)[1:]
+        drives = [self._gripper.drive(opening) for opening in openings]
+        for k in range(count):
+            self._world.command(positions[k], velocities[k], drives[k])
+            self._advance(positions[k], openings[k])
+            if self._stop:
+                return False
+        self.opening = segment.opening
+        return self._arrive(trajectory.positions[-1]) and self._settle(segment)
+
+    def _arrive(self, end: Array) -> bool:
+        """Wait a little for an arm that is behind."""
+        self._world.command(end, np.zeros_like(end), self._gripper.drive(self.opening))
+        for _ in range(round(HOLD_SECONDS / self._step)):
+            if largest_gap(self._world.joint_positions(), end) < ARRIVED:
+                break
+            self._advance(end, self.opening)
+            if self._stop:
+                return False
+        return True
+
+    def _settle(self, segment: MotionSegment) -> bool:
+        """Wait until the objects rest, at most as long as the segment allows."""
+        resting, enough = 0, round(REST_SECONDS / self._step)
+        end = segment.trajectory.positions[-1]
+        for _ in range(int(segment.settle / self._step)):
+            resting = resting + 1 if self._world.at_rest(REST_SPEED, REST_SPIN) else 0
+            if resting >= enough:
+                break
+            self._advance(end, segment.opening)
+            if self._stop:
+                return False
+        return True
+
+    def _advance(self, reference: Array, opening: float) -> None:
+        self._world.step()
+        self._steps += 1
+        self._time += self._step
+        seen = self._world.observe(self._time, self.held)
+        if len(seen.contacts):
+            self._touched[seen.contacts[:, 0], seen.contacts[:, 1]] = True
+        if self._monitor.see(seen) and self._options.stop_early:
+            self._stop = True
+        behind = largest_gap(self._world.joint_positions(), reference) > LAG
+        self._late = self._late + 1 if behind else 0
+        if self._late * self._step >= LAG_SECONDS - 1e-9:
+            self._stalled = self._stop = True
+        self._record(opening)
+
+    def _record(self, opening: float) -> None:
+        if self._recorder is not None:
+            joints, poses = self._world.joint_positions(), self._world.object_poses()
+            self._recorder.see(self._time, joints, opening, poses)
+
+    def _hold(self, name: str | None) -> None:
+        place = -1 if name is None else self._scene.index(name)
+        if place != self.held:
+            self._world.hold(place)
+            self.held = place
+
+    def _state(self) -> SceneState:
+        return SceneState(self._world.joint_positions(), self._world.object_poses())
+
+    def _contacts(self) -> frozenset[tuple[str, str]]:
+        names: Any = self._scene.entities
+        return frozenset((names[a], names[b]) for a, b in np.argwhere(self._touched))

@@ -1,0 +1,37 @@
+"""Registers the DART backend; DART is imported only when it is built."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from mamo_core.hookspecs import Component, hookimpl
+from mamo_dart.options import DARTOptions
+
+if TYPE_CHECKING:
+    from mamo_core.compose import BuildContext
+
+
+def _build(context: BuildContext, options: DARTOptions) -> Any:
+    from mamo_core.simulation.isolated import IsolatedModel
+    from mamo_dart.model import make_model
+
+    make = partial(make_model, context.problem, context.robot, context.constraints, options)
+    if options.workers == 0:
+        return make()
+    return IsolatedModel(make, options.workers, options.patience)
+
+
+@hookimpl
+def mamo_backends() -> Iterable[Component]:
+    """DART."""
+    return [
+        Component(
+            "dart",
+            _build,
+            DARTOptions,
+            "DART ODE collision and NSGS contacts",
+            provides=frozenset({"exact_continuation", "batch", "parameter_overrides"}),
+        ),
+    ]

@@ -1,0 +1,20 @@
+"""Options of the PyBullet backend."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from mamo_core.hookspecs import Options
+
+
+class PyBulletOptions(Options):
+    """Options of ``pybullet``; the defaults are the measured trade of speed against accuracy."""
+
+    time_step: float = Field(1.0 / 240.0, gt=0.0, le=0.01, description="simulation step, s")
+    iterations: int = Field(50, ge=1, description="iterations of the contact solver per step")
+    workers: int = Field(
+        1, ge=0, description="engine processes; 0: in this process, where a crash ends everything"
+    )
+    patience: float = Field(
+        60.0, gt=0.0, description="wall time after which a rollout counts as hung, s"
+    )

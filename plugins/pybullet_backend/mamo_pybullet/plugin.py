@@ -1,0 +1,37 @@
+"""Registers the PyBullet backend; PyBullet is imported only when it is built."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from mamo_core.hookspecs import Component, hookimpl
+from mamo_pybullet.options import PyBulletOptions
+
+if TYPE_CHECKING:
+    from mamo_core.compose import BuildContext
+
+
+def _build(context: BuildContext, options: PyBulletOptions) -> Any:
+    from mamo_core.simulation.isolated import IsolatedModel
+    from mamo_pybullet.model import make_model
+
+    make = partial(make_model, context.problem, context.robot, context.constraints, options)
+    if options.workers == 0:
+        return make()
+    return IsolatedModel(make, options.workers, options.patience)
+
+
+@hookimpl
+def mamo_backends() -> Iterable[Component]:
+    """PyBullet."""
+    return [
+        Component(
+            "pybullet",
+            _build,
+            PyBulletOptions,
+            "PyBullet with friction cones; its world is rebuilt for every rollout",
+            provides=frozenset({"exact_continuation", "batch", "parameter_overrides"}),
+        ),
+    ]
