@@ -67,7 +67,7 @@ class IsolatedModel(TransitionModel):
 
     def close(self) -> None:
         """End the workers; the model cannot be used afterwards."""
-        self._pool.stop()
+        self._pool.stop()  # type: ignore[no-untyped-call]
         self._pool.join()
 
     def _job(self, *arguments: Any) -> Future[RolloutResult]:
@@ -80,6 +80,11 @@ class IsolatedModel(TransitionModel):
             return _lost(state, f"the engine's process died (exit code {error.exitcode})")
         except TimeoutError:
             return _lost(state, f"the engine gave no answer for {self._patience:g} s")
+
+
+def isolated(make_model: ModelFactory, workers: int, patience: float) -> TransitionModel:
+    """The model in ``workers`` processes, or with 0 workers in this one."""
+    return IsolatedModel(make_model, workers, patience) if workers else make_model()
 
 
 def _start(make_model: ModelFactory) -> None:

@@ -14,13 +14,11 @@ if TYPE_CHECKING:
 
 
 def _build(context: BuildContext, options: DARTOptions) -> Any:
-    from mamo_core.simulation.isolated import IsolatedModel
+    from mamo_core.simulation.isolated import isolated
     from mamo_dart.model import make_model
 
     make = partial(make_model, context.problem, context.robot, context.constraints, options)
-    if options.workers == 0:
-        return make()
-    return IsolatedModel(make, options.workers, options.patience)
+    return isolated(make, options.workers, options.patience)
 
 
 @hookimpl
@@ -31,7 +29,7 @@ def mamo_backends() -> Iterable[Component]:
             "dart",
             _build,
             DARTOptions,
-            "DART ODE collision and NSGS contacts",
+            "DART with ODE collision and NSGS contacts",
             provides=frozenset({"exact_continuation", "batch", "parameter_overrides"}),
         ),
     ]
