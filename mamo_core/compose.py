@@ -34,15 +34,17 @@ if TYPE_CHECKING:
 class BuildContext:
     """What a component's build function receives: the problem and the parts built before it.
 
-    Built in this order: constraints, backend, kinematics, collision, arm_planner, retrieval,
-    mapf, actions, search. A part that is not built yet, or not in the recipe, is None.
-    ``verifier`` replays a plan with the backend; it is there as soon as the backend is.
+    Built in this order: constraints, backend, accept_in, kinematics, collision, arm_planner,
+    retrieval, mapf, actions, search. A part that is not built yet, or not in the recipe, is None.
+    ``accept_in``: other engines, by name, in which actions and plans must be valid, too.
+    ``verifier`` replays a plan with all of them; it is there as soon as they are.
     """
 
     problem: Problem
     robot: ArmModel
     constraints: tuple[InteractionConstraint, ...] = ()
     backend: TransitionModel | None = None
+    accept_in: tuple[tuple[str, TransitionModel], ...] = ()
     kinematics: Kinematics | None = None
     collision: CollisionChecker | None = None
     arm_planner: ArmPlanner | None = None
@@ -66,6 +68,7 @@ class BuildContext:
 BUILD_ORDER = (
     "constraint",
     "backend",
+    "accept_in",
     "kinematics",
     "collision",
     "arm_planner",
@@ -76,6 +79,8 @@ BUILD_ORDER = (
 )
 _SLACK = 1e-6  # rad; files may hold rounded joint positions
 _SEVERAL = {"constraint": "constraints", "action": "actions"}
+_KIND = {"accept_in": "backend"}
+"""Roles that are filled with components of another role."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,6 +146,8 @@ def choose(
     for role in BUILD_ORDER:
         if role == "constraint" and role in roles:
             choices += _constraint_choices(problem, registry)
+        elif role == "accept_in" and role in roles:
+            choices += _other_engines(recipe, registry)
         elif role in roles:
             choices += [
                 _choice(registry, role, part.name, part.options, part.place)
@@ -154,7 +161,7 @@ def check_requirements(choices: Sequence[Choice]) -> None:
     """Refuse a recipe with a component that needs what another one does not provide."""
     for choice in choices:
         for role, needed in choice.component.requires.items():
-            others = [other for other in choices if other.role == role]
+            others = [other for other in choices if role in (other.role, _KIND.get(other.role))]
             if not others:
                 raise InputError(f"{choice.place}: {_named(choice)} needs a part {role!r}")
             for other in others:
@@ -173,17 +180,23 @@ def build_parts(
         built = tuple((choice.component.name, _build(choice, context)) for choice in chosen)
         if role == "constraint":
             context = replace(context, constraints=tuple(part for _, part in built))
+        elif role == "accept_in":
+            context = replace(context, accept_in=built)
         elif role == "action":
             context = replace(context, actions=built)
         elif built:
             context = replace(context, **{attribute: built[0][1]})
-        if role == "backend" and built:
+        if role == "accept_in" and context.backend is not None:
             context = replace(context, verifier=make_verifier(context))
     return context
 
 
 def make_verifier(context: BuildContext) -> Callable[[Plan], VerifyReport]:
-    """A function that verifies plans for the problem of ``context`` with its backend."""
+    """A function that verifies plans for the problem of ``context`` with all its engines.
+
+    The first engine that finds something wrong ends it; its name stands before what it found,
+    unless it is the backend.
+    """
     model = context.backend
     if model is None:
         raise ValueError("verification needs a backend")
@@ -191,7 +204,15 @@ def make_verifier(context: BuildContext) -> Callable[[Plan], VerifyReport]:
     def check(plan: Plan) -> VerifyReport:
         from mamo_core.verify import verify
 
-        return verify(context.problem, plan, model, context.robot)
+        report = verify(context.problem, plan, model, context.robot)
+        for name, other in context.accept_in:
+            if not report.ok:
+                break
+            theirs = verify(context.problem, plan, other, context.robot)
+            failures = tuple(f"{name}: {failure}" for failure in theirs.failures)
+            outside_cpu = report.outside_cpu + theirs.outside_cpu
+            report = replace(report, failures=failures, outside_cpu=outside_cpu)
+        return report
 
     return check
 
@@ -235,6 +256,17 @@ def _constraint_choices(problem: Problem, registry: Registry) -> list[Choice]:
     ]
 
 
+def _other_engines(recipe: LoadedRecipe, registry: Registry) -> list[Choice]:
+    """The engines of ``accept_in`` that are not the backend itself, the cheapest first."""
+    own = {part.name for part in recipe.parts("backend")}
+    others = [
+        replace(_choice(registry, "backend", p.name, p.options, p.place), role="accept_in")
+        for p in recipe.parts("accept_in")
+        if p.name not in own
+    ]
+    return sorted(others, key=lambda choice: choice.component.cost)
+
+
 def _choice(registry: Registry, role: str, name: str, options: Located, place: str) -> Choice:
     component = registry.component(role, name, place)
     return Choice(role, component, validated(component.options, options), place)
@@ -254,7 +286,9 @@ def _build(choice: Choice, context: BuildContext) -> Any:
     try:
         return choice.component.build(context, choice.options)
     except ImportError as error:
-        raise PluginError(f"{_named(choice)} cannot be built: {error}") from error
+        extra = choice.component.extra
+        hint = f"; install it with: pip install 'mamo[{extra}]'" if extra else ""
+        raise PluginError(f"{_named(choice)} cannot be built: {error}{hint}") from error
 
 
 def _named(choice: Choice) -> str:

@@ -40,7 +40,9 @@ class Component:
 
     ``build(context, options)`` makes the part for one problem (see ``compose.BuildContext``).
     ``provides``: capabilities it declares. ``requires``: role -> capabilities it needs there;
-    compose refuses a recipe that lacks one before anything runs.
+    compose refuses a recipe that lacks one before anything runs. ``extra``: of mamo, that installs
+    the packages it needs. ``cost``: of engines, CPU time relative to MuJoCo; cheap ones are asked
+    first.
     """
 
     name: str
@@ -49,6 +51,8 @@ class Component:
     summary: str = ""
     provides: frozenset[str] = frozenset()
     requires: dict[str, frozenset[str]] = field(default_factory=dict)
+    extra: str = ""
+    cost: float = 1.0
 
 
 class HookSpecs:

@@ -52,6 +52,11 @@ class Recipe(BaseModel):
     name: str = Field(description="name of the planner")
     summary: str = Field(default="", description="one line for listings")
     backend: Part = Field(description="physics engine")
+    accept_in: tuple[Part, ...] = Field(
+        default=(),
+        description="engines in which an action, and the plan, must be valid, too",
+        strict=False,
+    )
     kinematics: Part = Field(description="arm kinematics")
     collision: Part = Field(description="collision checker")
     arm_planner: Part = Field(description="motion planner of the arm")
@@ -66,14 +71,18 @@ class Recipe(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _one_action(cls, data: Any) -> Any:
-        if isinstance(data, dict) and isinstance(data.get("actions"), dict | str):
-            return {**data, "actions": [data["actions"]]}
-        return data
+    def _one_of_several(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        alone = {k: [data[k]] for k in SEVERAL if isinstance(data.get(k), dict | str)}
+        return {**data, **alone}
 
 
 ROLES = ("backend", "kinematics", "collision", "arm_planner", "retrieval", "mapf", "search")
-"""Keys of a recipe that hold one part; ``actions`` holds several."""
+"""Keys of a recipe that hold one part."""
+
+SEVERAL = ("accept_in", "actions")
+"""Keys of a recipe that hold any number of parts."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +110,9 @@ class LoadedRecipe:
     def parts(self, role: str) -> tuple[ChosenPart, ...]:
         """What the recipe chooses for a role (``action`` for the actions)."""
         if role == "action":
-            return tuple(_chosen(role, node) for node in _action_nodes(self.located))
+            return tuple(_chosen(role, node) for node in _nodes(self.located, "actions"))
+        if role == "accept_in":
+            return tuple(_chosen(role, node) for node in _nodes(self.located, role))
         if self.located.data.get(role) is None:
             return ()
         return (_chosen(role, self.located.at(role)),)
@@ -115,6 +126,7 @@ def load_recipe(located: Located) -> LoadedRecipe:
     """
     recipe = LoadedRecipe(validated(Recipe, located), located)
     _refuse_twice(recipe.parts("action"))
+    _refuse_twice(recipe.parts("accept_in"))
     return recipe
 
 
@@ -151,19 +163,20 @@ def _chosen(role: str, node: Located) -> ChosenPart:
     return ChosenPart(role, node.data["name"], node.without("name"), node.where(("name",)))
 
 
-def _action_nodes(located: Located) -> Iterator[Located]:
-    actions = located.data.get("actions", [])
-    if isinstance(actions, dict | str):
-        yield located.at("actions")
+def _nodes(located: Located, key: str) -> Iterator[Located]:
+    """The parts under a key that holds several, or one alone."""
+    parts = located.data.get(key, [])
+    if isinstance(parts, dict | str):
+        yield located.at(key)
     else:
-        for i in range(len(actions)):
-            yield located.at("actions", i)
+        for i in range(len(parts)):
+            yield located.at(key, i)
 
 
 def _refuse_twice(parts: tuple[ChosenPart, ...]) -> None:
-    """Actions are told apart by name, in statistics and by ``--set``."""
+    """Parts are told apart by name, in statistics and by ``--set``."""
     seen: set[str] = set()
     for part in parts:
         if part.name in seen:
-            raise InputError(f"{part.place}: action {part.name!r} is in the recipe twice")
+            raise InputError(f"{part.place}: {part.role} {part.name!r} is in the recipe twice")
         seen.add(part.name)

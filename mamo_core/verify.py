@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
-from mamo_core.robots.exact_collision import ExactChecker, ExactWorld
+from mamo_core.robots.contact_free import check_meshes
 from mamo_core.robots.kinematics import tool_transform
 from mamo_core.robots.model import ArmModel
-from mamo_core.robots.timing import interpolated
 from mamo_core.types.geometry import Array, invert, matrix_from_pose
 from mamo_core.types.motion import Motion, MotionSegment
 from mamo_core.types.problem import Problem
@@ -21,22 +20,30 @@ from mamo_core.types.solution import Plan
 _CONTINUITY = 1e-6
 _LIMIT_SLACK = 1e-6
 _SPEED_SLACK = 1.01
-_MESH_STEP = 0.05
 _GRIP_SLIP = 0.02
 _GRASP_OFF, _GRASP_TURNED = 0.01, 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class VerifyReport:
-    """``failures`` in words, empty if the plan holds; ``rollout``: its continuous execution."""
+    """``failures`` in words, empty if the plan holds; ``rollout``: its continuous execution.
+
+    ``outside_cpu``: CPU seconds that other processes spent.
+    """
 
     failures: tuple[str, ...]
     rollout: RolloutResult | None
+    outside_cpu: float = 0.0
 
     @property
     def ok(self) -> bool:
         """Whether every claim of the plan was confirmed."""
         return not self.failures
+
+    @property
+    def lost(self) -> bool:
+        """Whether there is no verdict because the engine crashed or hung."""
+        return self.rollout is not None and self.rollout.lost is not None
 
 
 def verify(
@@ -61,13 +68,17 @@ def verify(
     options = RolloutOptions(stop_early=False, trace_step=trace_step)
     rollout = model.rollout(problem.initial, whole, options=options)
     failures += [str(violation) for violation in rollout.violations]
+    if rollout.lost is not None:
+        failures.append(rollout.lost)
     if rollout.stalled:
         failures.append("the arm could not follow its trajectory")
     if not failures:
-        failures += check_meshes(problem, segments, rollout.segment_states, robot, whole.opening)
+        failures += check_meshes(
+            problem.scene, segments, rollout.segment_states, robot, whole.opening
+        )
         failures += check_grasp(problem, segments, rollout.segment_states, robot)
         failures += check_retrieved(problem, segments, rollout, robot)
-    return VerifyReport(tuple(failures), rollout)
+    return VerifyReport(tuple(failures), rollout, rollout.outside_cpu)
 
 
 def check_form(problem: Problem, plan: Plan) -> list[str]:
@@ -114,35 +125,6 @@ def check_trajectories(problem: Problem, plan: Plan, robot: ArmModel) -> list[st
     if np.abs(where - problem.home).max() > _CONTINUITY:
         failures.append("the plan does not end at home")
     return failures
-
-
-def check_meshes(
-    problem: Problem,
-    segments: tuple[MotionSegment, ...],
-    states: tuple[SceneState, ...],
-    robot: ArmModel,
-    opening: float,
-) -> list[str]:
-    """Contact-free segments against the exact meshes of the arm, the gripper at ``opening`` (m)."""
-    checker = ExactChecker(problem.scene, robot)
-    failures = []
-    before = opening
-    for segment, state in zip(segments, states, strict=True):
-        # The fingers move during a segment: both ends of their way are checked.
-        for width in {before, segment.opening} if segment.contact_free else ():
-            ignore = [segment.held] if segment.held is not None else []
-            world = checker.world(state.object_poses, opening=width, ignore=ignore)
-            touched = _first_touched(world, segment)
-            if touched is not None:
-                failures.append(f"{segment.kind}: the arm's mesh touches {touched}")
-                break
-        before = segment.opening
-    return failures
-
-
-def _first_touched(world: ExactWorld, segment: MotionSegment) -> str | None:
-    rows = interpolated(segment.trajectory.positions, _MESH_STEP)
-    return next((name for name in map(world.touching, rows) if name is not None), None)
 
 
 def check_retrieved(

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 DONE = 0
 NO_PLAN = 3
 NOT_VERIFIED = 4
+WORKER_CRASHED = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +45,9 @@ class PlanReport:
 
     @property
     def exit_code(self) -> int:
-        """0, 3 or 4."""
+        """0, 3, 4 or 6."""
+        if self.verification is not None and self.verification.lost:
+            return WORKER_CRASHED
         codes = {SolutionStatus.SOLVED: DONE, SolutionStatus.VERIFICATION_FAILED: NOT_VERIFIED}
         return codes.get(self.status, NO_PLAN)
 

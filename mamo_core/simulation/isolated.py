@@ -67,7 +67,7 @@ class IsolatedModel(TransitionModel):
 
     def close(self) -> None:
         """End the workers; the model cannot be used afterwards."""
-        self._pool.stop()  # type: ignore[no-untyped-call]
+        self._pool.stop()
         self._pool.join()
 
     def _job(self, *arguments: Any) -> Future[RolloutResult]:

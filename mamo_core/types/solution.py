@@ -56,7 +56,11 @@ class Statistics:
         try:
             yield
         finally:
-            self.seconds[part] += time.process_time() - start  # type: ignore[assignment]
+            self.add(part, time.process_time() - start)
+
+    def add(self, part: str, seconds: float) -> None:
+        """Add CPU seconds to a part."""
+        self.seconds[part] += seconds  # type: ignore[assignment]
 
     def failed(self, subject: str, action: str, cause: str, times: int = 1) -> None:
         """Count a failure by its cause."""

@@ -20,6 +20,7 @@ from mamo_core.types.geometry import make_pose
 from mamo_core.types.mapf import MAPFSolution, MAPFStatus
 from mamo_core.types.motion import Motion
 from mamo_core.types.solution import Budget
+from mamo_core.verify import VerifyReport
 
 
 class Sidewards(MAPFSolver):
@@ -70,9 +71,9 @@ class StraightArm(ArmPlanner):
 class Search:
     """A greedy search for a tiny scene, its parts at hand."""
 
-    def __init__(self, problem, actions=None, verifier=None, **options):
-        self.problem = problem
-        self.model = QuasiStaticModel(
+    def __init__(self, problem, actions=None, verifier=None, model=None, others=(), **options):
+        self.problem, self.others = problem, others
+        self.model = model or QuasiStaticModel(
             problem, GantryKinematics().forward, standard_constraints(problem)
         )
         self.mapf = Sidewards()
@@ -87,9 +88,11 @@ class Search:
             GreedyOptions(**options),
         )
 
-    def _execution(self, statistics):
+    def _execution(self, statistics, budget):
         arm = SimpleNamespace(gripper=SimpleNamespace(closed=0.0), velocity=np.ones(4))
-        return Execution(self.problem, arm, self.model, NoCollisions(), StraightArm(), statistics)
+        engines = [("own", self.model), *self.others]
+        parts = (arm, engines, NoCollisions(), StraightArm(), lambda motion, states: True)
+        return Execution(self.problem, *parts, statistics, budget)
 
     def replay(self, plan):
         """The whole plan in one rollout."""
@@ -98,7 +101,8 @@ class Search:
         result = self.model.rollout(
             self.problem.initial, whole, options=RolloutOptions(stop_early=False)
         )
-        return [*map(str, result.violations), *(["stalled"] if result.stalled else [])]
+        failures = [*map(str, result.violations), *(["stalled"] if result.stalled else [])]
+        return VerifyReport(tuple(failures), result)
 
     def solve(self, seed=0, seconds=float("inf")):
         return self.search.solve(Budget(seconds), np.random.default_rng(seed), self.told.append)

@@ -7,9 +7,14 @@ import pytest
 
 from mamo_core.interfaces.retrieval import Retrieval
 from mamo_core.testing.fakes import StraightPush
+from mamo_core.testing.gantry import GantryKinematics
+from mamo_core.testing.quasi_static import QuasiStaticModel
 from mamo_core.testing.scenes import clear_scene, one_blocker, two_blockers, walled_in
+from mamo_core.testing.transition_cases import standard_constraints
 from mamo_core.types.mapf import MAPFSolution, MAPFStatus
+from mamo_core.types.rollout import Violation
 from mamo_core.types.solution import SolutionStatus
+from mamo_core.verify import VerifyReport
 
 A, B = "push a to 15,10", "push b to 30,-10"
 
@@ -107,7 +112,7 @@ def test_a_plan_that_fails_verification_is_never_returned(search_of):
 
     def refuse(plan):
         asked.append(plan)
-        return ("tilt: a at 1.000 s",)
+        return VerifyReport(("tilt: a at 1.000 s",), None)
 
     search = search_of(one_blocker().problem, verifier=refuse, attempts=3)
     solution = search.solve()
@@ -118,7 +123,7 @@ def test_a_plan_that_fails_verification_is_never_returned(search_of):
 
 
 def test_a_plan_that_passes_later_is_returned(search_of, in_words):
-    answers = iter([("no",), ()])
+    answers = iter([VerifyReport(("no",), None), VerifyReport((), None)])
     solution = search_of(
         one_blocker().problem, verifier=lambda plan: next(answers), attempts=5
     ).solve()
@@ -218,3 +223,75 @@ def test_pushes_that_break_constraints_are_not_committed(search_of):
     assert len(solution.plan.actions) == 1
     assert solution.statistics.causes["a/push/contact"] == 1
     assert solution.statistics.counts["rollouts"] == 4
+
+
+class Rejects(QuasiStaticModel):
+    """Finds something wrong with whatever moves ``name``, after having let ``passes`` through."""
+
+    def __init__(self, problem, name, passes=0, lost=None):
+        super().__init__(problem, GantryKinematics().forward, standard_constraints(problem))
+        self.name, self.passes, self.lost = name, passes, lost
+
+    def rollout(self, *args, **more):
+        result = super().rollout(*args, **more)
+        if self.name not in result.moved:
+            return result
+        self.passes -= 1
+        if self.passes >= 0:
+            return result
+        if self.lost is not None:
+            return replace(result, lost=self.lost)
+        return replace(result, violations=(Violation("tilt", self.name, None, 0.1, 1.0, 0.4),))
+
+
+def test_other_engines_are_asked_and_their_no_counts(search_of):
+    problem = one_blocker().problem
+    solution = search_of(problem, others=[("strict", Rejects(problem, "a"))], attempts=2).solve()
+    assert solution.status is SolutionStatus.BUDGET_EXHAUSTED
+    causes = solution.statistics.causes
+    assert causes["a/push/not_valid_in_strict"] == causes["a/push/tilt"] > 0
+
+
+def test_other_engines_go_on_from_their_own_state(search_of, in_words):
+    problem = two_blockers().problem
+    agreeing = QuasiStaticModel(problem, GantryKinematics().forward, standard_constraints(problem))
+    solution = search_of(problem, others=[("same", agreeing)]).solve()
+    assert in_words(solution) == [A, B]
+    # Alone, in line and in the other engine for each push; the retrieval in both.
+    assert solution.statistics.counts["rollouts"] == 3 * 2 + 2
+
+
+def test_a_lost_rollout_costs_no_more_than_that_rollout(search_of, in_words):
+    problem = one_blocker().problem
+    engine = Rejects(problem, "a", lost="the engine's process died (exit code -9)")
+    search = search_of(problem, model=_dies_once(engine))
+    solution = search.solve()
+    assert solution.status is SolutionStatus.SOLVED
+    key = "a/push/the engine's process died (exit code -9)"
+    assert solution.statistics.causes[key] == 1
+
+
+def _dies_once(engine):
+    """Loses the first rollout that moves the object, and none after it."""
+    sound, rollout = QuasiStaticModel.rollout, engine.rollout
+
+    def once(*args, **more):
+        result = rollout(*args, **more)
+        if result.lost is not None:
+            engine.rollout = lambda *a, **m: sound(engine, *a, **m)
+        return result
+
+    engine.rollout = once
+    return engine
+
+
+def test_work_of_other_processes_counts(search_of):
+    class Elsewhere(QuasiStaticModel):
+        def rollout(self, *args, **more):
+            return replace(super().rollout(*args, **more), outside_cpu=10.0)
+
+    problem = one_blocker().problem
+    model = Elsewhere(problem, GantryKinematics().forward, standard_constraints(problem))
+    solution = search_of(problem, model=model).solve(seconds=15.0)
+    assert solution.status is SolutionStatus.BUDGET_EXHAUSTED
+    assert solution.statistics.seconds["rollouts"] >= 20.0

@@ -31,5 +31,7 @@ def mamo_backends() -> Iterable[Component]:
             DARTOptions,
             "DART with ODE collision and NSGS contacts",
             provides=frozenset({"exact_continuation", "batch", "parameter_overrides"}),
+            extra="dart",
+            cost=16.0,
         ),
     ]

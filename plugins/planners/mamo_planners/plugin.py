@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from mamo_core.hookspecs import Component, hookimpl
@@ -11,6 +11,9 @@ from mamo_planners.options import GreedyOptions, PushOptions, RetrievalOptions
 
 if TYPE_CHECKING:
     from mamo_core.compose import BuildContext
+    from mamo_core.types.motion import Motion
+    from mamo_core.types.scene import SceneState
+    from mamo_core.types.solution import Budget, Statistics
 
 
 def _retrieval(context: BuildContext, options: RetrievalOptions) -> Any:
@@ -40,17 +43,25 @@ def _push(context: BuildContext, options: PushOptions) -> Any:
 
 
 def _greedy(context: BuildContext, options: GreedyOptions) -> Any:
+    from mamo_core.robots.contact_free import check_meshes
     from mamo_planners.search.execution import Execution
     from mamo_planners.search.greedy import GreedySearch
 
-    def execution(statistics: Any) -> Execution:
+    scene, robot = context.problem.scene, context.robot
+
+    def contact_free(motion: Motion, states: Sequence[SceneState]) -> bool:
+        return not check_meshes(scene, motion.segments, states, robot, motion.opening)
+
+    def execution(statistics: Statistics, budget: Budget) -> Execution:
         return Execution(
             context.problem,
-            context.robot,
-            context.part("backend"),
+            robot,
+            [("backend", context.part("backend")), *context.accept_in],
             context.part("collision"),
             context.part("arm_planner"),
+            contact_free,
             statistics,
+            budget,
         )
 
     return GreedySearch(
@@ -59,7 +70,7 @@ def _greedy(context: BuildContext, options: GreedyOptions) -> Any:
         context.part("mapf"),
         [generator for _, generator in context.actions],
         execution,
-        lambda plan: context.part("verifier")(plan).failures,
+        context.part("verifier"),
         options,
     )
 

@@ -31,5 +31,7 @@ def mamo_backends() -> Iterable[Component]:
             PyBulletOptions,
             "PyBullet with friction cones; its world is rebuilt for every rollout",
             provides=frozenset({"exact_continuation", "batch", "parameter_overrides"}),
+            extra="pybullet",
+            cost=4.0,
         ),
     ]

@@ -12,6 +12,7 @@ import pytest
 
 import mamo_core.robots
 from mamo_core.cli.main import main
+from mamo_core.verify import VerifyReport
 
 RECIPE = """\
 schema_version: 1
@@ -87,7 +88,7 @@ def fake_what_is_slow(monkeypatch):
 
     def verify(problem, plan, model, robot):
         failures = ("tilt: o1 at 1.000 s",) if model.breaks else ()
-        return SimpleNamespace(ok=not failures, failures=failures, rollout=None)
+        return VerifyReport(failures, None)
 
     def draw(problem, plan=None, final_state=None, path=None):
         Path(path).write_text(f"{problem.name} {plan is not None}")

@@ -117,8 +117,8 @@ def test_the_last_setting_counts_and_the_document_stays_as_it_was():
         ("search.iterate=*x", "--set search.iterate:1:1: alias '*x': aliases are not allowed"),
         (
             "serch.iterate=false",
-            "--set serch.iterate: unknown key 'serch'; did you mean 'search'? (valid: actions, "
-            "arm_planner, backend, collision, kinematics, mapf, name, retrieval, schema_version, "
+            "--set serch.iterate: unknown key 'serch'; did you mean 'search'? "
+            "(valid: accept_in, actions, arm_planner, backend, collision, kinematics, mapf, name, retrieval, schema_version, "
             "search, summary)",
         ),
         (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,12 +24,14 @@ from mamo_planners.options import GreedyOptions
 from mamo_planners.search.abstraction import mapf_problem, occupancy, occupied
 from mamo_planners.search.execution import ExecutionFactory
 
+if TYPE_CHECKING:
+    from mamo_core.verify import VerifyReport
+
 _FORBIDDEN_RADIUS = 0.03
 
 Paths = dict[str, Array]
 Penalties = dict[str, list[GoalPenalty]]
-Verifier = Callable[[Plan], Sequence[str]]
-"""Failures of a plan, in words; empty if it holds."""
+Verifier = Callable[[Plan], "VerifyReport"]
 
 
 class GreedySearch(SearchStrategy):
@@ -121,7 +124,7 @@ class _Attempt:
     ) -> None:
         self._s, self._budget = search, budget
         self._rng, self._stats, self._progress = rng, statistics, progress
-        self._run = search._execution(statistics)
+        self._run = search._execution(statistics, budget)
         self._done: list[RearrangementAction] = []
         self._paths: Paths = {}
         self._mapf_calls = 0
@@ -166,10 +169,12 @@ class _Attempt:
             return None
         plan = Plan(tuple(self._done), motion, region)
         with self._stats.timed("verification"):
-            failures = self._s._verifier(plan)
-        for failure in failures:
+            report = self._s._verifier(plan)
+        self._stats.add("verification", report.outside_cpu)
+        self._budget.charge(report.outside_cpu)
+        for failure in report.failures:
             self._stats.failed("plan", "verification", failure)
-        return None if failures else plan
+        return plan if report.ok else None
 
     def _rearrange(self, region: SweptRegion) -> bool:
         """Find and commit to one valid action; False if none was found."""

@@ -1,0 +1,46 @@
+"""Contact-free segments against the exact meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mamo_core.robots.exact_collision import ExactChecker, ExactWorld
+from mamo_core.robots.model import ArmModel
+from mamo_core.robots.timing import interpolated
+from mamo_core.types.motion import MotionSegment
+from mamo_core.types.scene import Scene, SceneState
+
+_MESH_STEP = 0.05
+
+
+def check_meshes(
+    scene: Scene,
+    segments: Sequence[MotionSegment],
+    states: Sequence[SceneState],
+    robot: ArmModel,
+    opening: float,
+) -> list[str]:
+    """Where contact-free segments touch something after all, in words; empty if nowhere.
+
+    Checked are the exact meshes of the arm, with the objects where ``states`` (one for the start of
+    each segment) say. ``opening`` (m): the gripper's before the first segment.
+    """
+    checker = ExactChecker(scene, robot)
+    failures = []
+    before = opening
+    for segment, state in zip(segments, states, strict=True):
+        # The fingers move during a segment: both ends of their way are checked.
+        for width in {before, segment.opening} if segment.contact_free else ():
+            ignore = [segment.held] if segment.held is not None else []
+            world = checker.world(state.object_poses, opening=width, ignore=ignore)
+            touched = _first_touched(world, segment)
+            if touched is not None:
+                failures.append(f"{segment.kind}: the arm's mesh touches {touched}")
+                break
+        before = segment.opening
+    return failures
+
+
+def _first_touched(world: ExactWorld, segment: MotionSegment) -> str | None:
+    rows = interpolated(segment.trajectory.positions, _MESH_STEP)
+    return next((name for name in map(world.touching, rows) if name is not None), None)
