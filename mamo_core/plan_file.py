@@ -33,7 +33,7 @@ from mamo_core.types.region import SweptRegion
 from mamo_core.types.solution import Plan, SolutionStatus
 
 MAX_BYTES = 256 * 1024 * 1024
-VERSIONED = ("mamo", "mujoco", "numpy", "pin")
+VERSIONED = ("dartpy", "mamo", "mujoco", "numpy", "pin", "pybullet")
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +80,18 @@ def plan_text(document: PlanDocument) -> str:
     data = plan_data(document)
     lines = [f"{json.dumps(key)}: {_dumps(data[key])}" for key in sorted(data)]
     return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def is_plan_file(path: str | Path) -> bool:
+    """Whether it is a file with the marks of a plan, so that it should be read as one."""
+    file = Path(path)
+    if file.suffix != ".json" or not file.is_file():
+        return False
+    try:
+        data = json.loads(file.read_bytes())
+    except ValueError:
+        return False
+    return isinstance(data, dict) and {"recipe", "retrieval"} <= set(data)
 
 
 def read_plan(path: str | Path) -> PlanDocument:

@@ -28,11 +28,13 @@ _GRASP_OFF, _GRASP_TURNED = 0.01, 0.1
 class VerifyReport:
     """``failures`` in words, empty if the plan holds; ``rollout``: its continuous execution.
 
+    ``kinds`` of failures: names of constraints, lost, stalled, mesh, grasp, not_retrieved, form.
     ``outside_cpu``: CPU seconds that other processes spent.
     """
 
     failures: tuple[str, ...]
     rollout: RolloutResult | None
+    kinds: tuple[str, ...] = ()
     outside_cpu: float = 0.0
 
     @property
@@ -60,25 +62,36 @@ def verify(
     constraint at every step; contact-free segments against exact meshes, with the objects where
     the execution left them; that the target ends in the hand, at home.
     """
-    failures = [*check_form(problem, plan), *check_trajectories(problem, plan, robot)]
-    if failures:
-        return VerifyReport(tuple(failures), None)
+    static = [*check_form(problem, plan), *check_trajectories(problem, plan, robot)]
+    if static:
+        return VerifyReport(tuple(static), None, kinds=("form",))
     segments = tuple(s for motion in plan.motions for s in motion.segments)
     whole = Motion(segments, plan.motions[0].opening)
     options = RolloutOptions(stop_early=False, trace_step=trace_step)
     rollout = model.rollout(problem.initial, whole, options=options)
-    failures += [str(violation) for violation in rollout.violations]
+    found = _rollout_failures(rollout)
+    if not found:
+        states = rollout.segment_states
+        found = {
+            "mesh": check_meshes(problem.scene, segments, states, robot, whole.opening),
+            "grasp": check_grasp(problem, segments, states, robot),
+            "not_retrieved": check_retrieved(problem, segments, rollout, robot),
+        }
+    kinds = tuple(kind for kind, texts in found.items() if texts)
+    failures = tuple(text for texts in found.values() for text in texts)
+    return VerifyReport(failures, rollout, kinds, rollout.outside_cpu)
+
+
+def _rollout_failures(rollout: RolloutResult) -> dict[str, list[str]]:
+    """By kind, in the order in which they happened."""
+    found: dict[str, list[str]] = {}
+    for violation in rollout.violations:
+        found.setdefault(violation.constraint, []).append(str(violation))
     if rollout.lost is not None:
-        failures.append(rollout.lost)
+        found["lost"] = [rollout.lost]
     if rollout.stalled:
-        failures.append("the arm could not follow its trajectory")
-    if not failures:
-        failures += check_meshes(
-            problem.scene, segments, rollout.segment_states, robot, whole.opening
-        )
-        failures += check_grasp(problem, segments, rollout.segment_states, robot)
-        failures += check_retrieved(problem, segments, rollout, robot)
-    return VerifyReport(tuple(failures), rollout, rollout.outside_cpu)
+        found["stalled"] = ["the arm could not follow its trajectory"]
+    return found
 
 
 def check_form(problem: Problem, plan: Plan) -> list[str]:

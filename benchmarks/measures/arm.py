@@ -11,7 +11,7 @@ from mamo_core.compose import BuildContext
 from mamo_core.interfaces.arm_planner import ArmPlan
 from mamo_core.interfaces.collision_checker import CollisionWorld
 from mamo_core.plugins import Registry
-from mamo_core.problems.grasps import default_grasps, max_opening
+from mamo_core.problems.grasps import default_grasps, hand_of
 from mamo_core.types.geometry import Array, matrix_from_pose
 from measures.common import Measured, cpu_seconds, shelves
 
@@ -62,7 +62,7 @@ def _pregrasps(context: BuildContext, number: int, rng: np.random.Generator) -> 
     """Configurations (k, dof) from which the hand would go straight to an object."""
     scene, poses = context.problem.scene, context.problem.initial.object_poses
     found = [np.empty((0, context.robot.dof))]
-    for grasp in default_grasps(scene.objects[number], max_opening=max_opening(scene.robot)):
+    for grasp in default_grasps(scene.objects[number], hand_of(scene.robot)):
         T = matrix_from_pose(poses[number]) @ matrix_from_pose(grasp.T_object_tool)
         T[:3, 3] -= grasp.approach * T[:3, 0]
         found.append(context.part("kinematics").inverse(T, rng, count=4))

@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 import typer
 
-from mamo_core.cli import plan, plugins, problem, schema, verify, warmup
+from mamo_core.cli import compare, plan, plugins, problem, schema, verify, warmup
 from mamo_core.errors import MamoError
 
 INTERNAL_ERROR = 1
@@ -36,6 +36,7 @@ app = typer.Typer(
 )
 app.command("plan")(plan.plan)
 app.command("verify")(verify.verify)
+app.command("compare")(compare.compare)
 app.add_typer(problem.app, name="problem")
 app.add_typer(plugins.app, name="plugins")
 app.command("schema")(schema.schema)

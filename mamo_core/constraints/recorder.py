@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mamo_core.types.geometry import Array
-from mamo_core.types.rollout import Trace
+from mamo_core.types.geometry import Array, BoolArray, IntArray
+from mamo_core.types.rollout import NO_CONTACTS, Trace
 
 _EPSILON = 1e-9
 
@@ -14,23 +14,36 @@ class TraceRecorder:
     """Shown every step, it keeps the motion at 0, ``step``, 2 ``step``, ... seconds.
 
     Between two steps positions are interpolated linearly and quaternions renormalised.
+    ``entities``: how many there are in the scene, the robot and the fixtures included.
     """
 
-    def __init__(self, step: float) -> None:
+    def __init__(self, step: float, entities: int) -> None:
         self._step = step
         self._rows: list[Array] = []
         self._times: list[float] = []
         self._before: tuple[float, Array] | None = None
         self._shape = (0, 0)
+        self._touching = np.zeros((entities, entities), dtype=np.bool_)
+        self._contacts: list[BoolArray] = []
 
-    def see(self, time: float, joints: Array, opening: float, poses: Array) -> None:
-        """One step: ``joints`` (dof,), ``opening`` m, ``poses`` (n, 7) at ``time`` s."""
+    def see(
+        self,
+        time: float,
+        joints: Array,
+        opening: float,
+        poses: Array,
+        contacts: IntArray = NO_CONTACTS,
+    ) -> None:
+        """One step: ``joints`` (dof,), ``opening`` m, ``poses`` (n, 7), ``contacts`` (k, 2)."""
         self._shape = (joints.size, len(poses))
         now = np.concatenate([joints, [opening], poses.ravel()])
+        self._touching[contacts[:, 0], contacts[:, 1]] = True
         while len(self._times) * self._step <= time + _EPSILON:
             wanted = len(self._times) * self._step
             self._times.append(wanted)
             self._rows.append(self._between(wanted, time, now))
+            self._contacts.append(self._touching)
+            self._touching = np.zeros_like(self._touching)
         self._before = (time, now)
 
     def _between(self, wanted: float, time: float, now: Array) -> Array:
@@ -46,4 +59,5 @@ class TraceRecorder:
         rows = np.array(self._rows).reshape(len(self._times), dof + 1 + 7 * count)
         poses = rows[:, dof + 1 :].reshape(-1, count, 7).copy()
         poses[:, :, 3:] /= np.linalg.norm(poses[:, :, 3:], axis=2, keepdims=True)
-        return Trace(np.array(self._times), rows[:, :dof], rows[:, dof], poses)
+        contacts = np.array(self._contacts)
+        return Trace(np.array(self._times), rows[:, :dof], rows[:, dof], poses, contacts)

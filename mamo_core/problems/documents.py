@@ -10,7 +10,7 @@ import numpy as np
 from mamo_core.config import Located, validated
 from mamo_core.errors import InputError, suggestion
 from mamo_core.problems.checks import complaints
-from mamo_core.problems.grasps import default_grasps, max_opening
+from mamo_core.problems.grasps import default_grasps, hand_of
 from mamo_core.problems.schema import (
     SCHEMA_VERSION,
     GraspEntry,
@@ -142,7 +142,7 @@ def automatic_grasps(scene: Scene, target_pose: Array) -> tuple[Grasp, ...]:
     """
     return default_grasps(
         scene.objects[scene.target_index],
-        max_opening=max_opening(scene.robot),
+        hand_of(scene.robot),
         first_yaw=-yaw_of(target_pose),
     )
 

@@ -19,7 +19,7 @@ import numpy as np
 from mamo_core.errors import InputError, suggestion
 from mamo_core.problems.documents import automatic_grasps
 from mamo_core.problems.footprints import Footprint, extents, footprint, separation
-from mamo_core.problems.grasps import LEAST_CLEARANCE, max_opening
+from mamo_core.problems.grasps import LEAST_CLEARANCE, hand_of
 from mamo_core.problems.importers import (
     HOME,
     INTERIOR_LOWER,
@@ -190,7 +190,7 @@ def _apart(a: Footprint, b: Footprint) -> bool:
 
 
 def _first_graspable(bodies: Sequence[tuple[Shape, Array]], farthest: float) -> int | None:
-    widest = min(2.0 * GRASPABLE, max_opening(ROBOT) - LEAST_CLEARANCE)
+    widest = min(2.0 * GRASPABLE, hand_of(ROBOT).opening - LEAST_CLEARANCE)
     for i, (shape, pose) in enumerate(bodies):
         width = shape.size[:2].min() if isinstance(shape, Box) else 2.0 * shape.radius
         if width < widest and pose[0] <= farthest:

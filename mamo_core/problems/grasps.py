@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,17 +12,26 @@ from mamo_core.types.geometry import Box, Cylinder, make_pose
 from mamo_core.types.problem import Grasp
 from mamo_core.types.scene import SceneObject
 
-MAX_OPENING = {"pr2_right_arm": 0.0920, "panda": 0.0799}
-"""Widest gap between the fingers by robot, m, as measured on the canonical arm models."""
+
+@dataclass(frozen=True)
+class Hand:
+    """``opening``: widest gap between the fingers, m. ``depth``: the farthest the tool goes past
+    an object's near face, m; beyond it the open fingers narrow, or the palm begins. ``clearance``:
+    how much wider than an object the fingers open, m."""
+
+    opening: float
+    depth: float
+    clearance: float
+
+
+HANDS = {"pr2_right_arm": Hand(0.0920, 0.05, 0.01), "panda": Hand(0.0799, 0.035, 0.015)}
+"""By robot, as measured on the canonical arm models; the palm's planning spheres leave less."""
 
 LEAST_CLEARANCE = 0.002
 """Faces that would leave less between the open fingers are not grasped, m."""
 
 TOOL_PAST_CENTER = 0.025
 """The author's tool point lies this far past the object's centre, m."""
-
-DEEPEST = 0.05
-"""Farthest the tool goes past the near face, m: further back the open fingers narrow."""
 
 APPROACH = 0.10
 """Straight distance before the grasp, m."""
@@ -39,34 +49,31 @@ TOP_GAP = 0.02
 CYLINDER_YAWS = 16
 
 
-def max_opening(robot: str) -> float:
-    """Widest gap between the fingers of a known robot, m.
+def hand_of(robot: str) -> Hand:
+    """The hand of a known robot.
 
     Raises:
         InputError: default grasps are not known for this robot.
     """
-    if robot not in MAX_OPENING:
+    if robot not in HANDS:
         raise InputError(
-            f"robot {robot!r}: no default grasps for it{suggestion(robot, MAX_OPENING)}; "
+            f"robot {robot!r}: no default grasps for it{suggestion(robot, HANDS)}; "
             "list the grasps in the problem instead of 'auto'"
         )
-    return MAX_OPENING[robot]
+    return HANDS[robot]
 
 
-def default_grasps(
-    target: SceneObject, *, max_opening: float, clearance: float = 0.01, first_yaw: float = 0.0
-) -> tuple[Grasp, ...]:
+def default_grasps(target: SceneObject, hand: Hand, *, first_yaw: float = 0.0) -> tuple[Grasp, ...]:
     """Side grasps of an upright ``target``; empty if no face fits between the fingers.
 
     Boxes are held across each face that is narrow enough, cylinders from 16 sides. Yaws are in
     the object's frame; those nearest ``first_yaw`` (rad) come first, and for each yaw the heights
-    in a fixed order. The fingers open ``clearance`` (m) wider than the object, at most
-    ``max_opening`` (m); whether they clear the object then is for the planner to check.
+    in a fixed order. The fingers open wider than the object as far as they can; whether they clear the object then is for the planner to check.
     """
     return tuple(
-        _grasp(target, yaw, depth, height, min(width + clearance, max_opening))
+        _grasp(target, hand, yaw, depth, height, min(width + hand.clearance, hand.opening))
         for yaw, depth, width in _sides(target, first_yaw)
-        if width + LEAST_CLEARANCE <= max_opening
+        if width + LEAST_CLEARANCE <= hand.opening
         for height in _heights(target.shape.height)
     )
 
@@ -107,9 +114,9 @@ def _heights(height: float) -> tuple[float, ...]:
 
 
 def _grasp(
-    target: SceneObject, yaw: float, half_depth: float, height: float, opening: float
+    target: SceneObject, hand: Hand, yaw: float, half_depth: float, height: float, opening: float
 ) -> Grasp:
-    along = min(TOOL_PAST_CENTER, DEEPEST - half_depth)
+    along = min(TOOL_PAST_CENTER, hand.depth - half_depth)
     position = [along * np.cos(yaw), along * np.sin(yaw), height - target.shape.height / 2.0]
     # Far enough back for the fingers to clear the object before they come in.
     approach = max(APPROACH, along + half_depth + PREGRASP_CLEARANCE)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mamo_core.problems.grasps import default_grasps, max_opening
+from mamo_core.problems.grasps import default_grasps, hand_of
 from mamo_core.problems.thesis import Board, Body, ThesisScene
 from mamo_core.types.geometry import Box, Cylinder, Shape, make_pose
 from mamo_core.types.problem import Problem
@@ -64,7 +64,7 @@ def problem_from_thesis(record: ThesisScene) -> tuple[Problem, list[str]]:
         home=home,
         grasps=default_grasps(
             objects[scene.target_index],
-            max_opening=max_opening(ROBOT),
+            hand_of(ROBOT),
             first_yaw=record.pregrasp.yaw - record.ooi.yaw,
         ),
     )

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mamo_core.robots.model import ArmModel, BodyBox, GripperModel, LinkModel
-from mamo_core.robots.specs import FINGER_COVER_SLACK, ArmSpec, robot_data_folder
+from mamo_core.robots.specs import ArmSpec, robot_data_folder
 from mamo_core.robots.spheres import cover_hull
 from mamo_core.robots.urdf import write_urdf
 from mamo_core.types.geometry import Array
@@ -132,7 +132,7 @@ def _link(
 ) -> LinkModel:
     name = model.names[number]
     finger = name in spec.finger_joints
-    slack = FINGER_COVER_SLACK if finger else spec.cover_slack[name]
+    slack = spec.finger_slack if finger else spec.cover_slack[name]
     hulls, meshes, spheres = [], [], [np.zeros((0, 4))]
     for k, piece in enumerate(pieces.get(number, [])):
         hull = piece.convex_hull

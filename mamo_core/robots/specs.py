@@ -17,7 +17,8 @@ class ArmSpec:
 
     ``locked``: positions of other joints that matter (the rest stay at 0). ``tool_link`` is a URDF
     link; ``T_link_tool`` (4, 4) puts x along the fingers and y along their opening. ``cover_slack``
-    (m), by link: how far planning spheres may reach beyond the surface. ``body_links``: parts of
+    (m), by link: how far planning spheres may reach beyond the surface; ``finger_slack`` that of
+    the fingers, which work close to things. ``body_links``: parts of
     the robot the arm may hit from link number ``body_first_link`` on. ``finger_zone``: the stretch
     (m, behind the tool frame) in which the gap between the fingers is measured.
     """
@@ -32,6 +33,7 @@ class ArmSpec:
     finger_travel: float
     finger_zone: float
     cover_slack: Mapping[str, float]
+    finger_slack: float
     locked: Mapping[str, float] = field(default_factory=dict)
     body_links: tuple[str, ...] = ()
     body_first_link: int = 3
@@ -80,6 +82,7 @@ PR2_RIGHT_ARM = ArmSpec(
         "r_wrist_flex_joint": 0.018,
         "r_wrist_roll_joint": 0.014,
     },
+    finger_slack=0.01,
     locked={"torso_lift_joint": 0.1},
     body_links=("base_link", "torso_lift_link"),
 )
@@ -101,13 +104,11 @@ PANDA = ArmSpec(
         "panda_joint4": 0.03,
         "panda_joint5": 0.025,
         "panda_joint6": 0.02,
-        "panda_joint7": 0.014,
+        "panda_joint7": 0.01,
     },
+    finger_slack=0.005,
     body_links=("panda_link0",),
 )
-
-FINGER_COVER_SLACK = 0.01
-"""Slack of the sphere cover on fingers, m: they work close to things."""
 
 SPECS: Mapping[str, ArmSpec] = {spec.name: spec for spec in (PR2_RIGHT_ARM, PANDA)}
 

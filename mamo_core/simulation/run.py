@@ -14,9 +14,9 @@ from mamo_core.interfaces.constraint import InteractionConstraint
 from mamo_core.interfaces.simulated_world import SimulatedWorld
 from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.robots.model import GripperModel
-from mamo_core.types.geometry import Array
+from mamo_core.types.geometry import Array, IntArray
 from mamo_core.types.motion import Motion, MotionSegment
-from mamo_core.types.rollout import RolloutResult
+from mamo_core.types.rollout import NO_CONTACTS, RolloutResult
 from mamo_core.types.scene import Scene, SceneState, displacements
 
 MOVED = 0.01
@@ -50,19 +50,19 @@ class MotionRun:
         self._step = world.time_step
         self.opening, self.held = opening, held
         self._monitor = ConstraintMonitor(constraints)
-        step = options.trace_step
-        self._recorder = TraceRecorder(step) if step is not None else None
+        step, count = options.trace_step, len(scene.entities)
+        self._recorder = TraceRecorder(step, count) if step is not None else None
         self._stalled, self._stop = False, False
         self._time, self._steps, self._late = 0.0, 0, 0
-        count = len(scene.entities)
         self._touched = np.zeros((count, count), dtype=np.bool_)
 
     def execute(self, motion: Motion, state: SceneState) -> RolloutResult:
         """Run to the end or to where the rollout stops; ``state`` is where the world stands."""
-        self._record(self.opening)
-        segment_states = []
+        self._record(self.opening, NO_CONTACTS)
+        segment_states, segment_times = [], []
         for segment in motion.segments:
             segment_states.append(self._state())
+            segment_times.append(self._time)
             if not self._segment(segment):
                 break
         final = self._state()
@@ -76,6 +76,7 @@ class MotionRun:
             duration=self._steps * self._step,
             steps=self._steps,
             segment_states=tuple(segment_states),
+            segment_times=tuple(segment_times),
             trace=self._recorder.trace() if self._recorder is not None else None,
         )
 
@@ -134,12 +135,12 @@ class MotionRun:
         self._late = self._late + 1 if behind else 0
         if self._late * self._step >= LAG_SECONDS - 1e-9:
             self._stalled = self._stop = True
-        self._record(opening)
+        self._record(opening, seen.contacts)
 
-    def _record(self, opening: float) -> None:
+    def _record(self, opening: float, contacts: IntArray) -> None:
         if self._recorder is not None:
             joints, poses = self._world.joint_positions(), self._world.object_poses()
-            self._recorder.see(self._time, joints, opening, poses)
+            self._recorder.see(self._time, joints, opening, poses, contacts)
 
     def _hold(self, name: str | None) -> None:
         place = -1 if name is None else self._scene.index(name)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mamo_core.types.geometry import Array, IntArray
+from mamo_core.types.geometry import Array, BoolArray, IntArray
 from mamo_core.types.scene import SceneState
 
 ROBOT = 0
@@ -62,22 +62,27 @@ class ParameterOverrides:
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """Recorded motion: ``times`` (t,), ``joints`` (t, dof), ``openings`` (t,),
-    ``poses`` (t, n, 7)."""
+    """Recorded motion: ``times`` (t,), ``joints`` (t, dof), ``openings`` (t,), ``poses`` (t, n, 7).
+
+    ``contacts`` (t, e, e), ascending pairs of entity numbers: what touched since the row before;
+    None if the model does not record it.
+    """
 
     times: Array
     joints: Array
     openings: Array
     poses: Array
+    contacts: BoolArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class RolloutResult:
     """The outcome of executing one motion.
 
-    ``segment_states``: the state at the START of each executed segment. ``moved``: objects
-    displaced by more than 1 cm. ``contacts``: pairs of names that touched. ``stalled``: the arm
-    could not follow. ``continuation``: opaque, for models with the capability exact_continuation.
+    ``segment_states``: the state at the START of each executed segment, at ``segment_times`` (s).
+    ``moved``: objects displaced by more than 1 cm. ``contacts``: pairs of names that touched.
+    ``stalled``: the arm could not follow. ``continuation``: opaque, for models with the capability
+    exact_continuation.
     ``lost``: why the engine gave no result (it crashed or hung); the rest then means nothing.
     ``outside_cpu``: CPU seconds spent in other processes; not part of the outcome.
     """
@@ -90,6 +95,7 @@ class RolloutResult:
     duration: float
     steps: int
     segment_states: tuple[SceneState, ...] = ()
+    segment_times: tuple[float, ...] = ()
     trace: Trace | None = None
     continuation: Any = None
     lost: str | None = None

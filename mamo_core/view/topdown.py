@@ -60,13 +60,13 @@ def draw(
     axes = figure.subplots(1, panels, squeeze=False)[0]
     swept = region if region is not None else (plan.region if plan is not None else None)
     actions = plan.actions if plan is not None else ()
-    _surroundings(axes[0], problem, swept)
+    surroundings(axes[0], problem, swept)
     _objects(axes[0], problem, problem.initial)
     _actions(axes[0], actions)
     if final_state is not None:
         axes[0].set_title("before", fontsize=10)
         axes[1].set_title("after", fontsize=10)
-        _surroundings(axes[1], problem, swept)
+        surroundings(axes[1], problem, swept)
         _moves(axes[1], problem, final_state)
         _objects(axes[1], problem, final_state)
     figure.suptitle(_title(problem, plan), fontsize=12)
@@ -87,7 +87,8 @@ def _seen(points: Array) -> Array:
     return np.asarray(points, dtype=np.float64)[:, ::-1]
 
 
-def _surroundings(axes: Any, problem: Problem, region: SweptRegion | None) -> None:
+def surroundings(axes: Any, problem: Problem, region: SweptRegion | None) -> None:
+    """Axes, shelf, and the region that the retrieval sweeps."""
     space = problem.scene.workspace
     lower, upper = space.lower, space.upper
     axes.set_aspect("equal")
@@ -133,10 +134,11 @@ def _walls(axes: Any, problem: Problem) -> None:
     middle = (space.lower[2] + space.upper[2]) / 2.0
     for fixture in problem.scene.fixtures:
         if abs(fixture.pose[2] - middle) < fixture.shape.height / 2.0:
-            axes.add_patch(_patch(fixture.shape, fixture.pose, fc=WALL, ec="none", zorder=1))
+            axes.add_patch(object_patch(fixture.shape, fixture.pose, fc=WALL, ec="none", zorder=1))
 
 
-def _patch(shape: Shape, pose: Array, **style: Any) -> Any:
+def object_patch(shape: Shape, pose: Array, **style: Any) -> Any:
+    """The outline from above as a patch for matplotlib."""
     from matplotlib.patches import Circle, Polygon
 
     if isinstance(shape, Cylinder):
@@ -147,7 +149,9 @@ def _patch(shape: Shape, pose: Array, **style: Any) -> Any:
 def _objects(axes: Any, problem: Problem, state: SceneState) -> None:
     for item, pose in zip(problem.scene.objects, state.object_poses, strict=True):
         color = COLORS[item.mobility]
-        axes.add_patch(_patch(item.shape, pose, fc=color, ec=EDGE, lw=0.8, alpha=0.9, zorder=3))
+        axes.add_patch(
+            object_patch(item.shape, pose, fc=color, ec=EDGE, lw=0.8, alpha=0.9, zorder=3)
+        )
         axes.text(
             pose[1],
             pose[0],
@@ -169,7 +173,9 @@ def _moves(axes: Any, problem: Problem, final: SceneState) -> None:
         if distance < SHOWN_MOVE:
             continue
         color = COLORS[item.mobility]
-        axes.add_patch(_patch(item.shape, old, fill=False, ec=color, lw=1.2, ls="--", zorder=2))
+        axes.add_patch(
+            object_patch(item.shape, old, fill=False, ec=color, lw=1.2, ls="--", zorder=2)
+        )
         if item.mobility is Mobility.TARGET and distance > TAKEN_OUT:
             axes.text(old[1], old[0], "retrieved", ha="center", va="center", fontsize=6, zorder=2)
             continue

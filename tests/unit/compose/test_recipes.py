@@ -118,8 +118,8 @@ def test_the_last_setting_counts_and_the_document_stays_as_it_was():
         (
             "serch.iterate=false",
             "--set serch.iterate: unknown key 'serch'; did you mean 'search'? "
-            "(valid: accept_in, actions, arm_planner, backend, collision, kinematics, mapf, name, retrieval, schema_version, "
-            "search, summary)",
+            "(valid: accept_in, actions, arm_planner, backend, collision, kinematics, mapf, name, "
+            "retrieval, schema_version, search, summary)",
         ),
         (
             "actions.pusch.samples=3",

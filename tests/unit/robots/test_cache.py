@@ -17,8 +17,9 @@ LOAD = """
 from dataclasses import replace
 from mamo_core.robots import build, library
 coarse = {joint: 0.1 for joint in library.SPECS["panda"].joints}  # quick to cover
-library.SPECS["panda"] = replace(library.SPECS["panda"], cover_slack=coarse)
-build.FINGER_COVER_SLACK = 0.05
+library.SPECS["panda"] = replace(
+    library.SPECS["panda"], cover_slack=coarse, finger_slack=0.05
+)
 arm = library.load_arm("panda")
 print(len(arm.links), arm.urdf.exists(), arm.links[-1].spheres.sum())
 """

@@ -8,7 +8,7 @@ import trimesh
 
 from mamo_core.robots import load_arm
 from mamo_core.robots.kinematics import finger_transforms, link_transforms, tool_transform
-from mamo_core.robots.specs import FINGER_COVER_SLACK, SPECS, robot_data_folder
+from mamo_core.robots.specs import SPECS, robot_data_folder
 
 ARMS = sorted(SPECS)
 MODELS = {}
@@ -135,7 +135,7 @@ def test_spheres_cover_the_hulls(name):
 def test_spheres_stick_out_by_the_slack_at_most(name):
     spec = SPECS[name]
     for link in load_arm(name).links:
-        slack = FINGER_COVER_SLACK if link.coordinate < 0 else spec.cover_slack[link.name]
+        slack = spec.finger_slack if link.coordinate < 0 else spec.cover_slack[link.name]
         hulls = hulls_of(link)
         if hulls:
             reach = np.min([beyond(hull, link.spheres[:, :3]) for hull in hulls], axis=0)

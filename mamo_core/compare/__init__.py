@@ -1,0 +1,1 @@
+"""The same plan in several engines: where they part, and what that costs."""
