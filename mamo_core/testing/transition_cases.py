@@ -110,7 +110,7 @@ def there_and_back(path: Array, step: float) -> Motion:
 
 
 def _problem(robot: str, joints: Array) -> Problem:
-    """A can, two posts that stand 4 mm into its way on either side, others far from it.
+    """A can, two posts that stand 1 cm into its way on either side, others far from it.
 
     Grazed posts break the rules but do not stop the arm, however firmly an engine fixes them.
     """
@@ -122,7 +122,7 @@ def _problem(robot: str, joints: Array) -> Problem:
         "bystander", Box(np.array([0.08, 0.08, 0.18])), Mobility.MOVABLE, 0.2, 0.8
     )
     objects = (can, post, later, target, bystander)
-    places = ((0.66, -0.45), (0.80, -0.526), (0.86, -0.374), (0.66, -0.80), (0.95, -0.20))
+    places = ((0.66, -0.45), (0.80, -0.520), (0.86, -0.380), (0.66, -0.80), (0.95, -0.20))
     floor = thesis_workspace().floor
     poses = [
         make_pose([x, y, floor + item.shape.height / 2.0])
