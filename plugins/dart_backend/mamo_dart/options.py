@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from mamo_core.hookspecs import Options
@@ -10,7 +12,18 @@ from mamo_core.hookspecs import Options
 class DARTOptions(Options):
     """Options of ``dart``; the defaults are the measured trade of speed against accuracy."""
 
-    time_step: float = Field(0.004, gt=0.0, le=0.01, description="simulation step, s")
+    time_step: float = Field(0.005, gt=0.0, le=0.01, description="simulation step, s")
+    contacts: Literal["cones", "boxes"] = Field(
+        "cones",
+        description="cones: circular friction cones (NSGS); boxes: pyramids (Dantzig), faster and "
+        "off by a third for pushes across the grid",
+    )
+    sweeps: int = Field(100, ge=1, description="most sweeps of the cone solver per step")
+    tolerance: float = Field(1e-3, gt=0.0, description="the cone solver ends below this error, m/s")
+    contacts_every: int = Field(
+        4, ge=1, description="steps between two looks at the contacts, which are slow to read"
+    )
+    torque_limit: float = Field(400.0, gt=0.0, description="limit of every servo, N m (or N)")
     workers: int = Field(
         1, ge=0, description="engine processes; 0: in this process, where a crash ends everything"
     )
