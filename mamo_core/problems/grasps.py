@@ -68,7 +68,8 @@ def default_grasps(target: SceneObject, hand: Hand, *, first_yaw: float = 0.0) -
 
     Boxes are held across each face that is narrow enough, cylinders from 16 sides. Yaws are in
     the object's frame; those nearest ``first_yaw`` (rad) come first, and for each yaw the heights
-    in a fixed order. The fingers open wider than the object as far as they can; whether they clear the object then is for the planner to check.
+    in a fixed order. The fingers open wider than the object as far as they can; whether they clear
+    the object then is for the planner to check.
     """
     return tuple(
         _grasp(target, hand, yaw, depth, height, min(width + hand.clearance, hand.opening))

@@ -6,7 +6,7 @@ import pytest
 
 from mamo_core.compose import BUILD_ORDER
 from mamo_core.hookspecs import HOOK_OF_ROLE, HookSpecs
-from mamo_core.recipes import ROLES, Recipe
+from mamo_core.recipes import ROLES, SEVERAL, Recipe
 
 HOOKS = {name for name in vars(HookSpecs) if name.startswith("mamo_")}
 
@@ -24,6 +24,6 @@ def test_every_hook_is_documented(name):
 
 
 def test_every_role_is_built():
-    assert set(BUILD_ORDER) == set(HOOK_OF_ROLE)
+    assert set(BUILD_ORDER) == {*HOOK_OF_ROLE, "accept_in"}
     assert {*ROLES, "action", "constraint"} == set(HOOK_OF_ROLE)
-    assert {*ROLES, "actions"} <= set(Recipe.model_fields)
+    assert {*ROLES, *SEVERAL} <= set(Recipe.model_fields)

@@ -8,13 +8,24 @@ import grimp
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PLUGINS = ("mamo_geometry", "mamo_mujoco", "mamo_planners")
+PLUGINS = ("mamo_dart", "mamo_geometry", "mamo_mujoco", "mamo_planners", "mamo_pybullet")
 PLUGIN_API = {
     f"mamo_core.{name}"
-    for name in ("constraints", "errors", "hookspecs", "interfaces", "robots", "types")
+    for name in (
+        "constraints",
+        "errors",
+        "hookspecs",
+        "interfaces",
+        "robots",
+        "simulation",
+        "types",
+    )
 }
 SLOW = (
     "mujoco",
+    "pybullet",
+    "dartpy",
+    "pebble",
     "numba",
     "numpy",
     "pinocchio",
@@ -54,7 +65,11 @@ def test_help_imports_nothing_slow(code):
 
 def test_discovery_loads_no_engine_and_no_compiler():
     loaded = imported_by("from mamo_core.plugins import discover; discover()")
-    assert loaded & {"mujoco", "numba", "pinocchio", "fcl", "trimesh", "matplotlib"} == set()
+    assert (
+        loaded
+        & {"dartpy", "mujoco", "numba", "pybullet", "pinocchio", "fcl", "trimesh", "matplotlib"}
+        == set()
+    )
 
 
 def test_contracts_of_import_linter():

@@ -38,3 +38,25 @@ class TestMuJoCo(TransitionModelContract):
 
         arm = load_arm(problem.scene.robot)
         return MuJoCoModel(problem, arm, standard_constraints(problem), MuJoCoOptions())
+
+
+class TestPyBullet(TransitionModelContract):
+    capabilities = frozenset({"exact_continuation"})
+
+    def make_model(self, problem: Problem) -> TransitionModel:
+        from mamo_pybullet.model import make_model
+        from mamo_pybullet.options import PyBulletOptions
+
+        arm = load_arm(problem.scene.robot)
+        return make_model(problem, arm, standard_constraints(problem), PyBulletOptions())
+
+
+class TestDART(TransitionModelContract):
+    capabilities = frozenset({"exact_continuation"})
+
+    def make_model(self, problem: Problem) -> TransitionModel:
+        from mamo_dart.model import make_model
+        from mamo_dart.options import DARTOptions
+
+        arm = load_arm(problem.scene.robot)
+        return make_model(problem, arm, standard_constraints(problem), DARTOptions())
