@@ -43,6 +43,10 @@ class SimulatedWorld(ABC):
         """Arm joints (dof,), rad."""
 
     @abstractmethod
+    def tool_pose(self) -> Array:
+        """Pose (7,) of the tool link's frame, world."""
+
+    @abstractmethod
     def object_poses(self) -> Array:
         """Poses (n, 7) of all objects, in the order of the scene; a new array."""
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import SceneState
@@ -44,6 +45,13 @@ class TransitionModel(ABC):
         of an earlier result of this model, the engine goes on exactly from there and ``state`` is
         its final state (capability ``exact_continuation``; otherwise ValueError).
         """
+
+    def tool_pose(self, state: SceneState) -> Array:
+        """Where the engine sees the tool link's frame (7,), world, with the arm at ``state``.
+
+        For comparison with our kinematics (capability ``tool_pose``).
+        """
+        raise NotImplementedError(f"{type(self).__name__} cannot tell where the tool is")
 
     def rollout_batch(
         self,

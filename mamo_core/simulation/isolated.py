@@ -12,6 +12,7 @@ from typing import Any
 from pebble import ProcessExpired, ProcessPool
 
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
+from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import SceneState
@@ -48,6 +49,9 @@ class IsolatedModel(TransitionModel):
         continue_from: Any = None,
     ) -> RolloutResult:
         return self._result(state, self._job(state, motion, parameters, options, continue_from))
+
+    def tool_pose(self, state: SceneState) -> Array:
+        return self._pool.schedule(_tool_pose, args=[state], timeout=self._patience).result()
 
     def rollout_batch(
         self,
@@ -90,6 +94,11 @@ def isolated(make_model: ModelFactory, workers: int, patience: float) -> Transit
 def _start(make_model: ModelFactory) -> None:
     global _model
     _model = make_model()
+
+
+def _tool_pose(state: SceneState) -> Array:
+    assert _model is not None, "the worker was not started by IsolatedModel"
+    return _model.tool_pose(state)
 
 
 def _rollout(

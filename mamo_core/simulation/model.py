@@ -11,6 +11,7 @@ from mamo_core.interfaces.simulated_world import SimulatedWorld
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
 from mamo_core.robots.model import ArmModel
 from mamo_core.simulation.run import MotionRun
+from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
@@ -74,6 +75,10 @@ class SimulatedModel(TransitionModel):
         if parameters is not None:
             raise ValueError("continue_from: cannot be continued with other parameters")
         return self._continued(world, state, motion, chosen, continue_from)
+
+    def tool_pose(self, state: SceneState) -> Array:
+        self._nominal.reset(state, self._arm.gripper.drive(self._arm.gripper.closed))
+        return self._nominal.tool_pose()
 
     def _fresh(
         self, world: SimulatedWorld, state: SceneState, motion: Motion, options: RolloutOptions

@@ -67,9 +67,9 @@ def pr2_cases() -> TransitionCases:
     return _cases("pr2_right_arm", np.array(_PR2_PATH))
 
 
-def gantry_cases() -> TransitionCases:
-    """For fakes: the gantry, whose joints are the tool's x, y, z and yaw, does the same."""
-    x = 0.56 + _STEP * np.arange(10)
+def gantry_cases(start: float = 0.56) -> TransitionCases:
+    """The gantry, whose joints are the tool's x, y, z and yaw, does so from x = ``start`` m."""
+    x = start + _STEP * np.arange(10)
     path = np.stack([x, np.full(10, -0.45), np.full(10, 0.86), np.zeros(10)], axis=1)
     return _cases(GANTRY, path)
 

@@ -9,19 +9,19 @@ import numpy as np
 
 from mamo_core.interfaces.simulated_world import SimulatedWorld
 from mamo_core.robots.model import ArmModel
-from mamo_core.types.geometry import Array, IntArray, matrix_from_pose, z_axes
+from mamo_core.types.geometry import Array, IntArray, matrix_from_pose, pose_from_matrix, z_axes
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import NO_CONTACTS, ParameterOverrides, StepObservation
 from mamo_core.types.scene import SceneState
 from mamo_dart.options import DARTOptions
-from mamo_dart.world import build, use_fresh_solver
+from mamo_dart.world import build, load_robot, values_of
 
 
 class DARTWorld(SimulatedWorld):
-    """A world that is built once and written at every reset.
+    """Everything but the arm is built anew at every reset.
 
-    The cone solver starts from its last result, which no snapshot could hold: it is replaced at
-    every reset, and continuations execute everything again.
+    The cone solver starts from its last result and bodies remember how long they have been slow,
+    which no snapshot could hold: continuations execute everything again.
     """
 
     exact_snapshots: ClassVar[bool] = False
@@ -33,17 +33,20 @@ class DARTWorld(SimulatedWorld):
         options: DARTOptions,
         parameters: ParameterOverrides | None,
     ) -> None:
-        self._options = options
-        self._parts = build(problem, arm, options, parameters)
+        self._problem, self._arm, self._options = problem, arm, options
+        self._values = values_of(problem, parameters)
+        self._robot = load_robot(problem, arm, options)
+        self._parts = build(problem, arm, options, self._values, self._robot)
         self.time_step = options.time_step
         self._poses = np.array(problem.initial.object_poses)
         self._weld: Any = None
         self._contacts, self._unseen = NO_CONTACTS, 0
 
     def reset(self, state: SceneState, drive: float) -> None:
-        parts = self._parts
-        self.hold(-1)
-        use_fresh_solver(parts.world, self._options)
+        self._weld = None
+        self._parts.world.removeSkeleton(self._robot)
+        parts = build(self._problem, self._arm, self._options, self._values, self._robot)
+        self._parts = parts
         positions = np.zeros(parts.robot.getNumDofs())
         positions[parts.arm], positions[parts.fingers] = state.joint_positions, drive
         _write(parts.robot, positions)
@@ -76,6 +79,9 @@ class DARTWorld(SimulatedWorld):
     def joint_positions(self) -> Array:
         positions: Array = self._parts.robot.getPositions()[self._parts.arm]
         return positions
+
+    def tool_pose(self) -> Array:
+        return pose_from_matrix(self._parts.tool.getWorldTransform().matrix())
 
     def object_poses(self) -> Array:
         poses = self._poses.copy()

@@ -18,8 +18,9 @@ class DARTOptions(Options):
         description="cones: circular friction cones (NSGS); boxes: pyramids (Dantzig), faster and "
         "off by a third for pushes across the grid",
     )
-    sweeps: int = Field(100, ge=1, description="most sweeps of the cone solver per step")
+    sweeps: int = Field(10, ge=1, description="most sweeps of the cone solver per step")
     tolerance: float = Field(1e-3, gt=0.0, description="the cone solver ends below this error, m/s")
+    sleep: bool = Field(True, description="let resting objects sleep: much faster")
     contacts_every: int = Field(
         4, ge=1, description="steps between two looks at the contacts, which are slow to read"
     )

@@ -30,7 +30,16 @@ def mamo_backends() -> Iterable[Component]:
             _build,
             DARTOptions,
             "DART with ODE collision and NSGS contacts",
-            provides=frozenset({"exact_continuation", "batch", "parameter_overrides"}),
+            provides=frozenset(
+                {
+                    "batch",
+                    "dynamics",
+                    "exact_continuation",
+                    "isolated",
+                    "parameter_overrides",
+                    "tool_pose",
+                }
+            ),
             extra="dart",
             cost=16.0,
         ),

@@ -28,6 +28,13 @@ GRAVITY = 9.81
 NO_LIMIT = 1e6
 """Friction coefficient of arm and fixtures: the pair's is the smaller one, so the object's own."""
 
+SLEEP_SPEED, SLEEP_SPIN, SLEEP_AFTER = 0.05, 0.2, 0.05
+"""Bodies slower than this (m/s, rad/s) for this long (s) sleep until something touches them."""
+
+
+BodyValues = tuple[list[float], list[float]]
+"""Masses (kg) and friction coefficients of the objects."""
+
 
 @dataclass(frozen=True, eq=False)
 class DARTParts:
@@ -50,17 +57,13 @@ def build(
     problem: Problem,
     arm: ArmModel,
     options: DARTOptions,
-    parameters: ParameterOverrides | None,
+    values: BodyValues,
+    robot: Any,
 ) -> DARTParts:
-    """The world of a problem, everything at its initial pose.
-
-    Raises:
-        KeyError: an override names no object.
-    """
+    """A new world of a problem around the robot, every object at its initial pose."""
     scene = problem.scene
-    masses, frictions = _values(problem, parameters)
+    masses, frictions = values
     world = _empty_world(options)
-    robot = _add_arm(world, problem, arm, options)
     skeletons, loose = [robot], {}
     for place, item in enumerate(scene.objects):
         T = matrix_from_pose(problem.initial.object_poses[place])
@@ -101,9 +104,12 @@ def _ignore_standing_pairs(world: Any, skeletons: list[Any]) -> None:
             filtered.addBodyNodePairToBlackList(one, other)
 
 
-def _values(
-    problem: Problem, parameters: ParameterOverrides | None
-) -> tuple[list[float], list[float]]:
+def values_of(problem: Problem, parameters: ParameterOverrides | None) -> BodyValues:
+    """Masses and frictions, others where some are given.
+
+    Raises:
+        KeyError: an override names no object.
+    """
     scene = problem.scene
     masses = [item.mass for item in scene.objects]
     frictions = [item.friction for item in scene.objects]
@@ -119,27 +125,23 @@ def _empty_world(options: DARTOptions) -> Any:
     world = dartpy.simulation.World()
     world.setTimeStep(options.time_step)
     world.setGravity([0.0, 0.0, -GRAVITY])
-    # Whether a body sleeps is not part of positions and velocities.
     sleep = world.getDeactivationOptions()
-    sleep.mEnabled = False
+    sleep.mEnabled = options.sleep
+    sleep.mLinearSpeedThreshold, sleep.mAngularSpeedThreshold = SLEEP_SPEED, SLEEP_SPIN
+    sleep.mTimeUntilSleep = SLEEP_AFTER
     world.setDeactivationOptions(sleep)
     solver = world.getConstraintSolver()
     # Other detectors lose contacts (objects fall through), or depend on what ran before.
     solver.setCollisionDetector(dartpy.collision.OdeCollisionDetector())
-    use_fresh_solver(world, options)
+    if options.contacts == "cones":
+        cones = dartpy.constraint.NsgsFrictionSolver.Options()
+        cones.maxSweeps, cones.tolerance = options.sweeps, options.tolerance
+        solver.setBoxedLcpSolver(dartpy.constraint.NsgsFrictionSolver(cones))
     return world
 
 
-def use_fresh_solver(world: Any, options: DARTOptions) -> None:
-    """A cone solver that remembers nothing; the default one (pyramids) has no memory."""
-    if options.contacts == "boxes":
-        return
-    cones = dartpy.constraint.NsgsFrictionSolver.Options()
-    cones.maxSweeps, cones.tolerance = options.sweeps, options.tolerance
-    world.getConstraintSolver().setBoxedLcpSolver(dartpy.constraint.NsgsFrictionSolver(cones))
-
-
-def _add_arm(world: Any, problem: Problem, arm: ArmModel, options: DARTOptions) -> Any:
+def load_robot(problem: Problem, arm: ArmModel, options: DARTOptions) -> Any:
+    """The arm's skeleton; reading its meshes is slow, and it holds no state but its joints'."""
     loader = dartpy.utils.DartLoader()
     settings = loader.getOptions()
     settings.mDefaultRootJointType = dartpy.utils.DartLoaderRootJointType.FIXED

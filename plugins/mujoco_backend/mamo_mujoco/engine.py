@@ -62,6 +62,9 @@ class MuJoCoWorld(SimulatedWorld):
     def joint_positions(self) -> Array:
         return self._qpos[self._index.arm_qpos]
 
+    def tool_pose(self) -> Array:
+        return pose_from_matrix(_body_matrix(self._data, self._index.tool_body))
+
     def object_poses(self) -> Array:
         poses = np.array(self._problem.initial.object_poses)
         index = self._index

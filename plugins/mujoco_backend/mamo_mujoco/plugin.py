@@ -27,7 +27,15 @@ def mamo_backends() -> Iterable[Component]:
             _build,
             MuJoCoOptions,
             "MuJoCo with elliptic cones and the Newton solver",
-            provides=frozenset({"exact_continuation", "batch", "parameter_overrides"}),
+            provides=frozenset(
+                {
+                    "batch",
+                    "dynamics",
+                    "exact_continuation",
+                    "parameter_overrides",
+                    "tool_pose",
+                }
+            ),
         ),
     ]
 

@@ -14,6 +14,7 @@ from mamo_core.types.scene import SceneState
 from mamo_pybullet.world import Bodies, WorldIndex, build
 
 _BODY_A, _BODY_B, _DISTANCE = 1, 2, 8
+_FRAME_POSITION, _FRAME_ORIENTATION = 4, 5
 _HOLD_FORCE = 1e4
 
 
@@ -90,6 +91,16 @@ class PyBulletWorld(SimulatedWorld):
             self.index.robot, self.index.arm, physicsClientId=self._client
         )
         return np.array([state[0] for state in states])
+
+    def tool_pose(self) -> Array:
+        state = pybullet.getLinkState(
+            self.index.robot,
+            self.index.tool,
+            computeForwardKinematics=1,
+            physicsClientId=self._client,
+        )
+        x, y, z, w = state[_FRAME_ORIENTATION]
+        return np.array([*state[_FRAME_POSITION], w, x, y, z])
 
     def object_poses(self) -> Array:
         poses = self._poses.copy()

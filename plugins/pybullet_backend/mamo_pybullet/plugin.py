@@ -30,7 +30,16 @@ def mamo_backends() -> Iterable[Component]:
             _build,
             PyBulletOptions,
             "PyBullet with friction cones; its world is rebuilt for every rollout",
-            provides=frozenset({"exact_continuation", "batch", "parameter_overrides"}),
+            provides=frozenset(
+                {
+                    "batch",
+                    "dynamics",
+                    "exact_continuation",
+                    "isolated",
+                    "parameter_overrides",
+                    "tool_pose",
+                }
+            ),
             extra="pybullet",
             cost=4.0,
         ),

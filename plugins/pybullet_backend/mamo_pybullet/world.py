@@ -150,7 +150,6 @@ def _add_body(shape: Shape, pose: Array, mass: float, friction: float, client: i
         form,
         basePosition=pose[:3].tolist(),
         baseOrientation=xyzw(pose),
-        useMaximalCoordinates=1,
         physicsClientId=client,
     )
     pybullet.changeDynamics(
