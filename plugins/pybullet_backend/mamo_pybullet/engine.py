@@ -15,7 +15,9 @@ from mamo_pybullet.world import Bodies, WorldIndex, build
 
 _BODY_A, _BODY_B, _DISTANCE = 1, 2, 8
 _FRAME_POSITION, _FRAME_ORIENTATION = 4, 5
-_HOLD_FORCE = 1e4
+_HOLD_FORCE, _HOLD_CORRECTION = 1e4, 1.0
+_SLEEP_SPEED, _SLEEP_SPIN, _SLEEP_AFTER = 0.005, 0.05, 0.1
+"""Objects slower than this (m/s, rad/s) for this long (s) sleep until something touches them."""
 
 
 class PyBulletWorld(SimulatedWorld):
@@ -31,8 +33,13 @@ class PyBulletWorld(SimulatedWorld):
         self.time_step = bodies.options.time_step
         self._client: int = pybullet.connect(pybullet.DIRECT)
         self._poses = np.array(bodies.problem.initial.object_poses)
+        self._axes = z_axes(self._poses)
         self._index: WorldIndex | None = None
         self._hand: int | None = None
+        self._held = -1
+        self._slow: dict[int, int] = {}
+        self._asleep: set[int] = set()
+        self._velocities, self._spins = np.zeros((2, len(self._poses), 3))
 
     def __del__(self) -> None:
         if pybullet.isConnected(self._client):
@@ -51,8 +58,13 @@ class PyBulletWorld(SimulatedWorld):
 
     def reset(self, state: SceneState, drive: float) -> None:
         self._index = build(self._bodies, state, self._client)
-        self._hand = None
+        self._hand, self._held = None, -1
+        self._slow, self._asleep = dict.fromkeys(self._index.loose, 0), set()
+        self._velocities, self._spins = np.zeros((2, len(self._poses), 3))
         self._poses = np.array(self._bodies.problem.initial.object_poses)
+        self._axes = z_axes(self._poses)
+        for i in self._index.loose:
+            self._read(i)
         index = self._index
         goals = [*state.joint_positions.tolist(), *(drive for _ in index.fingers)]
         for joint, position in zip((*index.arm, *index.fingers), goals, strict=True):
@@ -78,13 +90,48 @@ class PyBulletWorld(SimulatedWorld):
         pybullet.stepSimulation(physicsClientId=self._client)
 
     def observe(self, time: float, held: int) -> StepObservation:
-        velocities = np.zeros((len(self.index.objects), 3))
+        """Only what is awake is read: calls into the engine are slow."""
+        contacts = self._contacts()
         for i in self.index.loose:
-            velocities[i] = self._velocity(i)[0]
-        poses = self.object_poses()
-        return StepObservation(
-            time, poses[:, :3], z_axes(poses), velocities, self._contacts(), held
+            if i not in self._asleep:
+                self._read(i)
+                if self._bodies.options.sleep:
+                    self._let_sleep(i)
+        positions, velocities = self._poses[:, :3].copy(), self._velocities.copy()
+        return StepObservation(time, positions, self._axes.copy(), velocities, contacts, held)
+
+    def _read(self, place: int) -> None:
+        body = self.index.objects[place]
+        position, (x, y, z, w) = pybullet.getBasePositionAndOrientation(
+            body, physicsClientId=self._client
         )
+        self._poses[place] = (*position, w, x, y, z)
+        self._axes[place] = (
+            2.0 * (x * z + w * y),
+            2.0 * (y * z - w * x),
+            1.0 - 2.0 * (x * x + y * y),
+        )
+        self._velocities[place], self._spins[place] = pybullet.getBaseVelocity(
+            body, physicsClientId=self._client
+        )
+
+    def _let_sleep(self, place: int) -> None:
+        """PyBullet's own rule waits for two seconds, and calls 0.8 m/s slow."""
+        slow = (
+            place != self._held
+            and np.abs(self._velocities[place]).max() < _SLEEP_SPEED
+            and np.abs(self._spins[place]).max() < _SLEEP_SPIN
+        )
+        self._slow[place] = self._slow[place] + 1 if slow else 0
+        if self._slow[place] * self.time_step >= _SLEEP_AFTER:
+            self._slow[place] = 0
+            self._asleep.add(place)
+            self._velocities[place] = self._spins[place] = 0.0
+            self._set_activity(place, pybullet.ACTIVATION_STATE_SLEEP)
+
+    def _set_activity(self, place: int, activity: int) -> None:
+        body = self.index.objects[place]
+        pybullet.changeDynamics(body, -1, activationState=activity, physicsClientId=self._client)
 
     def joint_positions(self) -> Array:
         states = pybullet.getJointStates(
@@ -103,27 +150,22 @@ class PyBulletWorld(SimulatedWorld):
         return np.array([*state[_FRAME_POSITION], w, x, y, z])
 
     def object_poses(self) -> Array:
-        poses = self._poses.copy()
-        for i in self.index.loose:
-            position, (x, y, z, w) = pybullet.getBasePositionAndOrientation(
-                self.index.objects[i], physicsClientId=self._client
-            )
-            poses[i] = (*position, w, x, y, z)
-        return poses
+        return self._poses.copy()
 
     def at_rest(self, speed: float, spin: float) -> bool:
-        for i in self.index.loose:
-            velocity, turning = self._velocity(i)
-            if max(map(abs, velocity)) >= speed or max(map(abs, turning)) >= spin:
-                return False
-        return True
+        slow = np.abs(self._velocities).max() < speed and np.abs(self._spins).max() < spin
+        return bool(slow)
 
     def hold(self, place: int) -> None:
         """A fixed constraint between tool link and object."""
         if self._hand is not None:
             pybullet.removeConstraint(self._hand, physicsClientId=self._client)
             self._hand = None
+            self._set_activity(self._held, pybullet.ACTIVATION_STATE_WAKE_UP)
+        self._held = place
         if place >= 0:
+            self._asleep.discard(place)
+            self._set_activity(place, pybullet.ACTIVATION_STATE_WAKE_UP)
             self._hand = self._fix(self.index.objects[place])
 
     def _fix(self, body: int) -> int:
@@ -148,22 +190,31 @@ class PyBulletWorld(SimulatedWorld):
             [0.0, 0.0, 0.0, 1.0],
             physicsClientId=client,
         )
-        pybullet.changeConstraint(fixed, maxForce=_HOLD_FORCE, physicsClientId=client)
+        pybullet.changeConstraint(
+            fixed, maxForce=_HOLD_FORCE, erp=_HOLD_CORRECTION, physicsClientId=client
+        )
         return fixed
 
-    def _velocity(self, place: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        linear, angular = pybullet.getBaseVelocity(
-            self.index.objects[place], physicsClientId=self._client
-        )
-        return linear, angular
-
     def _contacts(self) -> IntArray:
-        """Pairs that touch; PyBullet also lists those that merely come close."""
+        """Pairs that touch; PyBullet also lists those that merely come close, which wakes them."""
+        points = pybullet.getContactPoints(physicsClientId=self._client)
+        self._wake({(point[_BODY_A], point[_BODY_B]) for point in points})
         entity = self.index.entity
         pairs = {
             (entity[point[_BODY_A]], entity[point[_BODY_B]])
-            for point in pybullet.getContactPoints(physicsClientId=self._client)
+            for point in points
             if point[_DISTANCE] <= 0.0
         }
         ascending = sorted((min(pair), max(pair)) for pair in pairs if pair[0] != pair[1])
         return np.array(ascending, dtype=np.int64) if ascending else NO_CONTACTS
+
+    def _wake(self, near: set[tuple[int, int]]) -> None:
+        """The engine wakes what an awake body touches; from then on it is read again."""
+        entity = self.index.entity
+        moving = {0, *(1 + i for i in self.index.loose if i not in self._asleep)}
+        for pair in near:
+            one, other = entity[pair[0]], entity[pair[1]]
+            if one in moving:
+                self._asleep.discard(other - 1)
+            if other in moving:
+                self._asleep.discard(one - 1)

@@ -10,12 +10,13 @@ from mamo_core.hookspecs import Options
 class PyBulletOptions(Options):
     """Options of ``pybullet``; the defaults are the measured trade of speed against accuracy."""
 
-    time_step: float = Field(1.0 / 120.0, gt=0.0, le=0.01, description="simulation step, s")
-    iterations: int = Field(50, ge=1, description="most iterations of the contact solver per step")
+    time_step: float = Field(1.0 / 180.0, gt=0.0, le=0.01, description="simulation step, s")
+    iterations: int = Field(20, ge=1, description="most iterations of the contact solver per step")
     position_gain: float = Field(
         0.3, gt=0.0, le=1.0, description="share of a joint's error that a servo corrects per step"
     )
     torque_limit: float = Field(400.0, gt=0.0, description="limit of every servo, N m (or N)")
+    sleep: bool = Field(True, description="let resting objects sleep: faster")
     workers: int = Field(
         1, ge=0, description="engine processes; 0: in this process, where a crash ends everything"
     )
