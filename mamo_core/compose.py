@@ -283,12 +283,24 @@ def _check_provides(choice: Choice, other: Choice, needed: Collection[str]) -> N
 
 
 def _build(choice: Choice, context: BuildContext) -> Any:
+    return build_component(choice.role, choice.component, choice.options, context)
+
+
+def build_component(
+    role: str, component: Component, options: Options, context: BuildContext
+) -> Any:
+    """The part a component builds.
+
+    Raises:
+        PluginError: the packages it needs are not installed; the text tells how to get them.
+    """
     try:
-        return choice.component.build(context, choice.options)
+        return component.build(context, options)
     except ImportError as error:
-        extra = choice.component.extra
-        hint = f"; install it with: pip install 'mamo[{extra}]'" if extra else ""
-        raise PluginError(f"{_named(choice)} cannot be built: {error}{hint}") from error
+        hint = (
+            f"; install it with: pip install 'mamo[{component.extra}]'" if component.extra else ""
+        )
+        raise PluginError(f"{role} {component.name!r} cannot be built: {error}{hint}") from error
 
 
 def _named(choice: Choice) -> str:

@@ -12,7 +12,7 @@ registered under the entry-point group ``mamo``. Each returns the components it 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -41,8 +41,9 @@ class Component:
     ``build(context, options)`` makes the part for one problem (see ``compose.BuildContext``).
     ``provides``: capabilities it declares. ``requires``: role -> capabilities it needs there;
     compose refuses a recipe that lacks one before anything runs. ``extra``: of mamo, that installs
-    the packages it needs. ``cost``: of engines, CPU time relative to MuJoCo; cheap ones are asked
-    first.
+    the packages it needs. Of engines: ``cost``, CPU time relative to MuJoCo, cheap ones are asked
+    first; ``grades``, check of the conformance suite -> how exact it is, "exact" where nothing is
+    said; ``known_gaps``, check -> why it fails.
     """
 
     name: str
@@ -53,6 +54,8 @@ class Component:
     requires: dict[str, frozenset[str]] = field(default_factory=dict)
     extra: str = ""
     cost: float = 1.0
+    grades: Mapping[str, str] = field(default_factory=dict)
+    known_gaps: Mapping[str, str] = field(default_factory=dict)
 
 
 class HookSpecs:

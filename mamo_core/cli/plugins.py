@@ -1,4 +1,4 @@
-"""``mamo plugins``: what is installed."""
+"""``mamo plugins``: what is installed, and whether it keeps its promises."""
 
 from __future__ import annotations
 
@@ -7,11 +7,6 @@ from typing import Annotated, Any
 import typer
 
 app = typer.Typer(help="Look at plugins and their components.", no_args_is_help=True)
-
-
-@app.callback()
-def _plugins() -> None:
-    """Keeps ``list`` a command of its own while it is the only one."""
 
 
 @app.command("list")
@@ -44,3 +39,19 @@ def list_(
     columns = ("role", "name", "plugin", "summary")
     print_table("components", columns, ([data[key] for key in columns] for data in rows))
     warn_of_broken_plugins(registry)
+
+
+@app.command("check")
+def check(
+    name: Annotated[str, typer.Argument(metavar="BACKEND", help="Name of a physics engine.")],
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document instead of a table.")
+    ] = False,
+) -> None:
+    """Run the conformance suite on a backend.
+
+    The exit code is 4 if it does not keep a promise.
+    """
+    from mamo_core.cli.checking import run_plugin_check
+
+    raise typer.Exit(run_plugin_check(name, as_json=json))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import time
+import weakref
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, TimeoutError
 from dataclasses import replace
@@ -38,6 +39,9 @@ class IsolatedModel(TransitionModel):
             initializer=_start,
             initargs=[make_model],
         )
+        # Also at the end of the interpreter, and when a planner for another problem takes over.
+        self.close = weakref.finalize(self, _end, self._pool)
+        """Ends the workers; the model cannot be used afterwards."""
 
     def rollout(
         self,
@@ -69,11 +73,6 @@ class IsolatedModel(TransitionModel):
         ]
         return [self._result(state, job) for state, job in zip(states, jobs, strict=True)]
 
-    def close(self) -> None:
-        """End the workers; the model cannot be used afterwards."""
-        self._pool.stop()
-        self._pool.join()
-
     def _job(self, *arguments: Any) -> Future[RolloutResult]:
         return self._pool.schedule(_rollout, args=arguments, timeout=self._patience)
 
@@ -89,6 +88,11 @@ class IsolatedModel(TransitionModel):
 def isolated(make_model: ModelFactory, workers: int, patience: float) -> TransitionModel:
     """The model in ``workers`` processes, or with 0 workers in this one."""
     return IsolatedModel(make_model, workers, patience) if workers else make_model()
+
+
+def _end(pool: ProcessPool) -> None:
+    pool.stop()
+    pool.join()
 
 
 def _start(make_model: ModelFactory) -> None:

@@ -23,10 +23,14 @@ NewProcess = Callable[[Problem, Motion], RolloutResult]
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """A backend on the bench. ``arm`` is the gantry, which every problem of the suite uses;
-    ``cases``: its scripted motions."""
+    """A backend on the bench.
+
+    ``make``: in this process, where the backend has the choice; ``make_default``: as users get it.
+    ``arm`` is the gantry, which the problems of the suite use; ``cases``: its scripted motions.
+    """
 
     make: MakeModel
+    make_default: MakeModel
     in_new_process: NewProcess
     capabilities: frozenset[str]
     arm: ArmModel

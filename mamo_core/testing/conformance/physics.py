@@ -25,13 +25,14 @@ from mamo_core.testing.conformance.scenery import (
 from mamo_core.testing.gantry_arm import FOOT
 from mamo_core.types.geometry import (
     Array,
+    BoolArray,
     Box,
     Cylinder,
     make_pose,
     matrix_from_pose,
     quat_from_rotation,
 )
-from mamo_core.types.motion import MotionSegment, SegmentKind
+from mamo_core.types.motion import MotionSegment
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ParameterOverrides
 from mamo_core.types.scene import Fixture, Mobility, SceneObject, SceneState
@@ -44,6 +45,8 @@ STACK_DRIFT, STACK_TURN = 2e-3, 1.0
 FRICTION, SPEED = 0.5, 0.5
 SLIDE = 0.06
 """Sliding distances are right within this share."""
+
+_GRID = 0.005
 
 ALL = RolloutOptions(stop_early=False)
 
@@ -140,33 +143,53 @@ def sliding(bench: Bench) -> str:
 def slide_distances(
     bench: Bench, degrees: tuple[float, ...], parameters: ParameterOverrides | None = None
 ) -> dict[float, float]:
-    """How far (m) boxes slide on by themselves after a hand that pushes them at ``SPEED`` stops,
-    by heading."""
+    """How far (m) boxes that a hand pushed to ``SPEED`` slide on by themselves, by heading."""
     side, apart = 0.12, 0.8
-    back = side / 2.0 + FOOT / 2.0 + 0.01
+    # Close by, and gaining speed slowly: a hit would fling the box away from the hand.
+    back = side / 2.0 + FOOT / 2.0 + 0.001
     starts, ends, items = [], [], []
     for k, angle in enumerate(np.radians(degrees)):
-        middle = tool(-0.5, apart * (k - 1), 0.005, angle)
+        middle = tool(-0.5, apart * (k - 1), 0.015, angle)
         starts.append(middle - back * heading(angle))
-        ends.append(starts[-1] + 0.2 * heading(angle))
+        # 0.6 s: a whole number of steps of most engines, so that the last one is not slower.
+        ends.append(starts[-1] + 0.225 * heading(angle))
         item = box(f"b{k}", (side, side, 0.04), 0.3, FRICTION)
         items.append(placed(item, middle[0], middle[1], angle))
     segments: list[MotionSegment] = []
     for start, end in zip(starts, ends, strict=True):
         if segments:
             segments += _over(segments[-1].trajectory.positions[-1], start)
-        segments += [line(start, end, SPEED), _stay(end, 0.3)]
+        segments += [line(start, end, SPEED, ramp=0.3), _stay(end, 0.3)]
     problem = on_a_board(*items, start=starts[0])
-    model = bench.make(problem, bench.arm, ())
-    result = model.rollout(problem.initial, motion(*segments), parameters=parameters, options=ALL)
+    options = RolloutOptions(stop_early=False, trace_step=_GRID)
+    result = bench.make(problem, bench.arm, ()).rollout(
+        problem.initial, motion(*segments), parameters=parameters, options=options
+    )
     require(not result.stalled, "the arm stalled while it pushed a box")
-    stops = [i for i, segment in enumerate(segments) if segment.kind is SegmentKind.TRANSIT]
-    distances = {}
-    for k, (angle, stop) in enumerate(zip(degrees, stops, strict=True)):
-        before = result.segment_states[stop].object_poses[k, :2]
-        after = result.final_state.object_poses[k, :2]
-        distances[angle] = float(np.linalg.norm(after - before))
-    return distances
+    trace = result.trace
+    require(trace is not None and trace.contacts is not None, "the trace has no contacts")
+    assert trace is not None
+    assert trace.contacts is not None
+    return {
+        angle: _free_slide(trace.poses[:, k, :2], trace.contacts[:, 0, 1 + k])
+        for k, angle in enumerate(degrees)
+    }
+
+
+def _free_slide(positions: Array, pushed: BoolArray) -> float:
+    """The way (m) after the last contact, for a start at ``SPEED``; positions (t, 2) on the grid.
+
+    How fast the box is when the hand falls behind depends on how the arm brakes, so the speed is
+    taken from the recorded motion.
+    """
+    require(pushed.any(), "the hand never touched the box")
+    first = int(np.flatnonzero(pushed)[-1]) + 2
+    gone = np.linalg.norm(positions[first:] - positions[first], axis=1)
+    sliding = gone < 0.9 * gone[-1]
+    count = int(np.argmin(sliding))
+    require(count >= 5, f"the box slid on for {gone[-1] * 1e3:.1f} mm only, too short to measure")
+    fit = np.polyfit(_GRID * np.arange(count), gone[:count], 2)
+    return float(gone[-1] * (SPEED / fit[1]) ** 2)
 
 
 def _over(start: Array, end: Array) -> list[MotionSegment]:

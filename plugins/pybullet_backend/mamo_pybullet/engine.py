@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-import pybullet
 
 from mamo_core.interfaces.simulated_world import SimulatedWorld
 from mamo_core.types.geometry import Array, IntArray, z_axes
 from mamo_core.types.rollout import NO_CONTACTS, StepObservation
 from mamo_core.types.scene import SceneState
+from mamo_pybullet.bullet import pybullet
 from mamo_pybullet.world import Bodies, WorldIndex, build
 
 _BODY_A, _BODY_B, _DISTANCE = 1, 2, 8

@@ -9,19 +9,15 @@ by a constraint between two bodies.
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
-
-import pybullet
 
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array, Box, Shape
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ParameterOverrides
 from mamo_core.types.scene import Mobility, SceneState
+from mamo_pybullet.bullet import pybullet, silenced
 from mamo_pybullet.options import PyBulletOptions
 
 GRAVITY = 9.81
@@ -103,7 +99,7 @@ def _all(scene: Any) -> range:
 
 def _add_arm(bodies: Bodies, client: int) -> int:
     pose = bodies.problem.scene.T_world_base
-    with silenced():
+    with silenced():  # it warns about a base without mass, which nobody can act on
         robot: int = pybullet.loadURDF(
             str(bodies.arm.urdf),
             basePosition=pose[:3].tolist(),
@@ -195,19 +191,3 @@ def xyzw(pose: Array) -> list[float]:
     """The quaternion of a pose (7,) in PyBullet's order."""
     w, x, y, z = pose[3:].tolist()
     return [x, y, z, w]
-
-
-@contextmanager
-def silenced() -> Iterator[None]:
-    """PyBullet warns in C about a base without mass; nobody can act on that."""
-    saved = [os.dup(1), os.dup(2)]
-    sink = os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(sink, 1)
-        os.dup2(sink, 2)
-        yield
-    finally:
-        for number, copy in zip((1, 2), saved, strict=True):
-            os.dup2(copy, number)
-            os.close(copy)
-        os.close(sink)
