@@ -63,15 +63,15 @@ def measure(registry: Registry) -> Measured:
 def _pushes(registry: Registry) -> Iterator[tuple[BuildContext, RearrangementAction]]:
     for context in shelves(registry, MOVABLES, ROLES):
         rng = np.random.default_rng(0)
-        for request in _requests(context, rng):
+        for request in requests(context, rng):
             for _, generator in context.actions:
                 proposals = generator.propose(context.problem.initial, request, rng, Statistics())
                 for action in islice(proposals, PER_OBJECT):
                     yield context, action
 
 
-def _requests(context: BuildContext, rng: np.random.Generator) -> list[ActionRequest]:
-    """Objects to push, and along which paths."""
+def requests(context: BuildContext, rng: np.random.Generator) -> list[ActionRequest]:
+    """Objects to push out of the initial NGR, and along which paths."""
     problem, region, options = context.problem, initial_region(context), GreedyOptions()
     if region is None:
         return []
