@@ -44,10 +44,9 @@ class QuasiStaticModel(TransitionModel):
     nothing. Contacts have no friction: objects translate along their normals and never turn, tilt,
     fall or slide on; chains of pushed objects resist with the sum of their friction forces on the
     floor. Contacts are those of objects that something pushed. It needs no settling.
-    Capabilities: ``exact_continuation``.
     """
 
-    capabilities = frozenset({"exact_continuation"})
+    capabilities = frozenset({"exact_continuation", "parameter_overrides"})
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""The scripted motions of the transition-model contract, for the PR2 and for the gantry."""
+"""Scripted motions whose outcome is known, for the PR2 and for the gantry."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def _problem(robot: str, joints: Array) -> Problem:
     ]
     board = Fixture("base", Box(np.array([0.60, 0.80, 0.04])), make_pose([0.78, -0.50, 0.75]))
     scene = Scene(robot, make_pose([0.0, 0.0, 0.0]), (board,), objects, thesis_workspace())
-    return Problem("transition_contract", scene, SceneState(joints, np.array(poses)), joints, ())
+    return Problem("transition_cases", scene, SceneState(joints, np.array(poses)), joints, ())
 
 
 def merged(first: Motion, second: Motion) -> Motion:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
 from mamo_core.testing.conformance.bench import Bench, fail, require
 from mamo_core.testing.transition_cases import merged, standard_constraints
+from mamo_core.types.motion import Motion, Trajectory
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import SceneState
 
@@ -86,18 +89,39 @@ def overrides_end(bench: Bench) -> None:
 
 
 def continuation(bench: Bench) -> None:
-    """Continued twice, with something else in between, it is the whole execution, bit for bit."""
-    model, cases = new_model(bench), bench.cases
-    start = cases.problem.initial
-    first = model.rollout(start, cases.push, options=RolloutOptions(keep=True))
+    """Stopped in mid-push, there are two ways on; each taken twice, in turns, is the same bit for
+    bit, and the same as if there had been no stop."""
+    model, start = new_model(bench), bench.cases.problem.initial
+    begun, onward, back = _in_mid_push(bench)
+    first = model.rollout(start, begun, options=RolloutOptions(keep=True))
     token = first.continuation
     require(token is not None, "exact_continuation is declared, but there is none")
-    whole = model.rollout(start, merged(cases.push, cases.crash), options=ALL)
-    model.rollout(start, cases.still)
-    for _ in range(2):
-        rest = model.rollout(first.final_state, cases.crash, continue_from=token, options=ALL)
-        poses = rest.final_state.object_poses, whole.final_state.object_poses
-        require(np.array_equal(*poses), f"poses differ by up to {_gap(*poses):.1e}")
+    traced = RolloutOptions(stop_early=False, trace_step=0.05)
+    for branch in (onward, back):
+        whole = model.rollout(start, merged(begun, branch), options=ALL)
+        rest = model.rollout(first.final_state, branch, continue_from=token, options=traced)
+        other = back if branch is onward else onward
+        model.rollout(first.final_state, other, continue_from=token, options=ALL)
+        again = model.rollout(first.final_state, branch, continue_from=token, options=traced)
+        for result in (rest, again):
+            gap = _gap(result.final_state.object_poses, whole.final_state.object_poses)
+            require(gap == 0.0, f"it differs from the whole by up to {gap:.1e}")
+        require(rest.trace is not None and again.trace is not None, "a trace was asked for")
+        assert rest.trace is not None
+        assert again.trace is not None
+        gap = _gap(rest.trace.poses, again.trace.poses)
+        require(gap == 0.0, f"on its way the second time differs by up to {gap:.1e}")
+
+
+def _in_mid_push(bench: Bench) -> tuple[Motion, Motion, Motion]:
+    """The scripted push without time to settle, the rest of the crash, and the way back."""
+    sweep, retract = bench.cases.push.segments
+    path = bench.cases.crash.segments[0].trajectory
+    done = len(sweep.trajectory.times) - 1
+    rest = Trajectory(path.times[done:] - path.times[done], path.positions[done:])
+    begun = Motion((replace(sweep, settle=0.0),), bench.cases.push.opening)
+    onward = Motion((replace(sweep, trajectory=rest),), sweep.opening)
+    return begun, onward, Motion((retract,), sweep.opening)
 
 
 def foreign_continuation(bench: Bench) -> None:
