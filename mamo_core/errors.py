@@ -24,6 +24,12 @@ class PluginError(MamoError):
     exit_code = 5
 
 
+class WorkerCrashedError(MamoError):
+    """A worker process ended before it gave what cannot be done without."""
+
+    exit_code = 6
+
+
 def suggestion(word: str, valid: Iterable[str]) -> str:
     """``; did you mean 'x'?`` if something in ``valid`` is close, then the valid set."""
     names = sorted(valid)

@@ -7,11 +7,14 @@ import time
 import weakref
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, TimeoutError
-from dataclasses import replace
-from typing import Any
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, replace
+from itertools import cycle
+from typing import Any, cast
 
 from pebble import ProcessExpired, ProcessPool
 
+from mamo_core.errors import WorkerCrashedError
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
 from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion
@@ -20,8 +23,8 @@ from mamo_core.types.scene import SceneState
 
 ModelFactory = Callable[[], TransitionModel]
 
-_model: TransitionModel | None = None
-"""The model of a worker process, made when the worker starts."""
+_START_UP = 120.0
+"""Wall time (s) that a new worker may take, on a busy machine, before its first answer."""
 
 
 class IsolatedModel(TransitionModel):
@@ -32,15 +35,9 @@ class IsolatedModel(TransitionModel):
     """
 
     def __init__(self, make_model: ModelFactory, workers: int, patience: float) -> None:
-        self._patience = patience
-        self._pool = ProcessPool(
-            max_workers=workers,
-            context=multiprocessing.get_context("spawn"),
-            initializer=_start,
-            initargs=[make_model],
-        )
+        self._workers = [_Worker(make_model, patience) for _ in range(workers)]
         # Also at the end of the interpreter, and when a planner for another problem takes over.
-        self.close = weakref.finalize(self, _end, self._pool)
+        self.close = weakref.finalize(self, _close, self._workers)
         """Ends the workers; the model cannot be used afterwards."""
 
     def rollout(
@@ -52,10 +49,16 @@ class IsolatedModel(TransitionModel):
         options: RolloutOptions | None = None,
         continue_from: Any = None,
     ) -> RolloutResult:
-        return self._result(state, self._job(state, motion, parameters, options, continue_from))
+        worker = self._workers[0]
+        job = worker.begin(_rollout, (state, motion, parameters, options, continue_from))
+        return _result(worker, job, state)
 
     def tool_pose(self, state: SceneState) -> Array:
-        return self._pool.schedule(_tool_pose, args=[state], timeout=self._patience).result()
+        worker = self._workers[0]
+        try:
+            return cast(Array, worker.end(worker.begin(_tool_pose, (state,))))
+        except _LostError as error:
+            raise WorkerCrashedError(f"tool pose: {error}") from error
 
     def rollout_batch(
         self,
@@ -68,21 +71,12 @@ class IsolatedModel(TransitionModel):
         """Side by side in the workers."""
         overrides = parameters if parameters is not None else [None] * len(states)
         jobs = [
-            self._job(state, motion, override, options, None)
-            for state, motion, override in zip(states, motions, overrides, strict=True)
+            (worker, worker.begin(_rollout, (state, motion, override, options, None)))
+            for worker, state, motion, override in zip(
+                cycle(self._workers), states, motions, overrides, strict=False
+            )
         ]
-        return [self._result(state, job) for state, job in zip(states, jobs, strict=True)]
-
-    def _job(self, *arguments: Any) -> Future[RolloutResult]:
-        return self._pool.schedule(_rollout, args=arguments, timeout=self._patience)
-
-    def _result(self, state: SceneState, job: Future[RolloutResult]) -> RolloutResult:
-        try:
-            return job.result()
-        except ProcessExpired as error:
-            return _lost(state, f"the engine's process died (exit code {error.exitcode})")
-        except TimeoutError:
-            return _lost(state, f"the engine gave no answer for {self._patience:g} s")
+        return [_result(*job, state) for job, state in zip(jobs, states, strict=True)]
 
 
 def isolated(make_model: ModelFactory, workers: int, patience: float) -> TransitionModel:
@@ -90,19 +84,105 @@ def isolated(make_model: ModelFactory, workers: int, patience: float) -> Transit
     return IsolatedModel(make_model, workers, patience) if workers else make_model()
 
 
-def _end(pool: ProcessPool) -> None:
-    pool.stop()
-    pool.join()
+def _close(workers: Sequence[_Worker]) -> None:
+    for worker in workers:
+        worker.close()
+
+
+class _LostError(Exception):
+    """Why there is no answer."""
+
+
+@dataclass(eq=False)
+class _Job:
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    future: Future[Any]
+    repeated: bool = False
+
+
+class _Worker:
+    """One process, whose jobs run in the order of ``begin``; ``end`` waits for one.
+
+    It has a pool of its own: a process that is killed while it waits for work breaks the pool it
+    belongs to, and with it the work of all others there.
+    """
+
+    def __init__(self, make_model: ModelFactory, patience: float) -> None:
+        self._make_model, self._patience = make_model, patience
+        self._pool = self._new_pool()
+
+    def begin(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> _Job:
+        return _Job(function, arguments, self._schedule(function, arguments))
+
+    def end(self, job: _Job) -> Any:
+        """The answer.
+
+        Raises:
+            _LostError: the process died of this job, or it hung.
+        """
+        try:
+            return job.future.result(self._patience + _START_UP)
+        except ProcessExpired as error:
+            why = f"the engine's process died (exit code {error.exitcode})"
+            raise _LostError(why) from error
+        except TimeoutError as error:
+            raise _LostError(f"the engine gave no answer for {self._patience:g} s") from error
+        except BrokenProcessPool as error:
+            # It died between two jobs, of neither.
+            if job.repeated:
+                raise _LostError("the engine's process died twice") from error
+            future = self._schedule(job.function, job.arguments)
+            return self.end(replace(job, future=future, repeated=True))
+
+    def close(self) -> None:
+        self._pool.stop()
+        self._pool.join()
+
+    def _schedule(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Future[Any]:
+        try:
+            return self._pool.schedule(function, args=arguments, timeout=self._patience)
+        except RuntimeError:  # the pool is broken
+            self.close()
+            self._pool = self._new_pool()
+            return self._pool.schedule(function, args=arguments, timeout=self._patience)
+
+    def _new_pool(self) -> ProcessPool:
+        return ProcessPool(
+            max_workers=1,
+            context=multiprocessing.get_context("spawn"),
+            initializer=_start,
+            initargs=[self._make_model],
+        )
+
+
+def _result(worker: _Worker, job: _Job, state: SceneState) -> RolloutResult:
+    try:
+        return cast(RolloutResult, worker.end(job))
+    except _LostError as error:
+        return RolloutResult(state, (), (), frozenset(), False, 0.0, 0, lost=str(error))
+
+
+_make_model: ModelFactory | None = None
+_model: TransitionModel | None = None
+"""Of a worker process; the model is made for its first job, so that errors reach who asked."""
 
 
 def _start(make_model: ModelFactory) -> None:
+    global _make_model
+    _make_model = make_model
+
+
+def _own_model() -> TransitionModel:
     global _model
-    _model = make_model()
+    assert _make_model is not None, "the worker was not started by IsolatedModel"
+    if _model is None:
+        _model = _make_model()
+    return _model
 
 
 def _tool_pose(state: SceneState) -> Array:
-    assert _model is not None, "the worker was not started by IsolatedModel"
-    return _model.tool_pose(state)
+    return _own_model().tool_pose(state)
 
 
 def _rollout(
@@ -112,13 +192,9 @@ def _rollout(
     options: RolloutOptions | None,
     continue_from: Any,
 ) -> RolloutResult:
-    assert _model is not None, "the worker was not started by IsolatedModel"
+    model = _own_model()
     started = time.process_time()
-    result = _model.rollout(
+    result = model.rollout(
         state, motion, parameters=parameters, options=options, continue_from=continue_from
     )
     return replace(result, outside_cpu=time.process_time() - started)
-
-
-def _lost(state: SceneState, why: str) -> RolloutResult:
-    return RolloutResult(state, (), (), frozenset(), False, 0.0, 0, lost=why)
