@@ -22,7 +22,10 @@ WORKER_CRASHED = 6
 
 @dataclass(frozen=True, eq=False)
 class PlanReport:
-    """A solution and what an independent verification said about it."""
+    """A solution and what an independent verification said about it.
+
+    ``cpu_seconds``: of planning and verification, engine processes included.
+    """
 
     problem: str
     recipe: str

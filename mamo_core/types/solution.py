@@ -42,12 +42,15 @@ class Plan:
 class Statistics:
     """Filled while planning: CPU ``seconds`` by part, ``counts`` of work, failure ``causes``.
 
+    ``outside_cpu``: how many of the seconds were spent in other processes.
+
     The keys of ``causes`` read ``subject/action/cause``, for example ``o7/push/no_ik``.
     """
 
     seconds: Counter[str] = field(default_factory=Counter)
     counts: Counter[str] = field(default_factory=Counter)
     causes: Counter[str] = field(default_factory=Counter)
+    outside_cpu: float = 0.0
 
     @contextmanager
     def timed(self, part: str) -> Iterator[None]:
@@ -56,10 +59,14 @@ class Statistics:
         try:
             yield
         finally:
-            self.add(part, time.process_time() - start)
+            self._add(part, time.process_time() - start)
 
-    def add(self, part: str, seconds: float) -> None:
-        """Add CPU seconds to a part."""
+    def charge(self, part: str, seconds: float) -> None:
+        """Add CPU seconds that another process spent for ``part``."""
+        self.outside_cpu += seconds
+        self._add(part, seconds)
+
+    def _add(self, part: str, seconds: float) -> None:
         self.seconds[part] += seconds  # type: ignore[assignment]
 
     def failed(self, subject: str, action: str, cause: str, times: int = 1) -> None:

@@ -175,6 +175,6 @@ class Execution:
             result = line.model.rollout(
                 line.state, motion, options=options, continue_from=line.token
             )
-        self._stats.add("rollouts", result.outside_cpu)
+        self._stats.charge("rollouts", result.outside_cpu)
         self._budget.charge(result.outside_cpu)
         return result

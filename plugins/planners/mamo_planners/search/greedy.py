@@ -170,7 +170,7 @@ class _Attempt:
         plan = Plan(tuple(self._done), motion, region)
         with self._stats.timed("verification"):
             report = self._s._verifier(plan)
-        self._stats.add("verification", report.outside_cpu)
+        self._stats.charge("verification", report.outside_cpu)
         self._budget.charge(report.outside_cpu)
         for failure in report.failures:
             self._stats.failed("plan", "verification", failure)

@@ -1,0 +1,28 @@
+"""What the conformance suite does not ask of engines: answers to bad input."""
+
+import pytest
+
+from mamo_core.plugins import discover
+from mamo_core.testing.conformance.runner import bench_of
+from mamo_core.testing.transition_cases import standard_constraints
+from mamo_core.types.rollout import ParameterOverrides
+
+ENGINES = ("mujoco", "pybullet", "dart")
+
+
+@pytest.fixture(params=ENGINES)
+def bench(request):
+    return bench_of(discover().component("backend", request.param, "test"))
+
+
+def test_parameters_of_an_unknown_object(bench):
+    problem = bench.cases.problem
+    model = bench.make(problem, bench.arm, standard_constraints(problem))
+    with pytest.raises(KeyError, match="nobody"):
+        model.rollout(
+            problem.initial, bench.cases.still, parameters=ParameterOverrides({"nobody": 1.0})
+        )
+    with pytest.raises(KeyError, match="nobody"):
+        model.rollout(
+            problem.initial, bench.cases.still, parameters=ParameterOverrides({}, {"nobody": 1.0})
+        )
