@@ -1,7 +1,10 @@
 """What the conformance suite does not ask of engines: answers to bad input."""
 
+from dataclasses import replace
+
 import pytest
 
+from mamo_core.errors import InputError
 from mamo_core.plugins import discover
 from mamo_core.testing.conformance.runner import bench_of
 from mamo_core.testing.transition_cases import standard_constraints
@@ -26,3 +29,12 @@ def test_parameters_of_an_unknown_object(bench):
         model.rollout(
             problem.initial, bench.cases.still, parameters=ParameterOverrides({}, {"nobody": 1.0})
         )
+
+
+def test_dart_refuses_a_fixture_that_changes_friction():
+    bench = bench_of(discover().component("backend", "dart", "test"))
+    problem = bench.cases.problem
+    (board,) = problem.scene.fixtures
+    scene = replace(problem.scene, fixtures=(replace(board, friction=0.5),))
+    with pytest.raises(InputError, match="expected 1"):
+        bench.make(replace(problem, scene=scene), bench.arm, ())

@@ -47,6 +47,8 @@ SLIDE = 0.06
 """Sliding distances are right within this share."""
 
 _GRID = 0.005
+_ON_TOP = 0.3
+"""Coefficients measured on a box that shakes a little are right within this share."""
 
 ALL = RolloutOptions(stop_early=False)
 
@@ -229,16 +231,25 @@ def tipping(bench: Bench) -> str:
 
 
 def incline(bench: Bench) -> str:
-    critical = np.arctan(FRICTION)
+    return _starts_to_slide(bench, FRICTION, 1.0)
+
+
+def fixture_friction(bench: Bench) -> str:
+    return _starts_to_slide(bench, 0.8, 0.5)
+
+
+def _starts_to_slide(bench: Bench, of_box: float, of_plane: float) -> str:
+    critical = np.arctan(of_box * of_plane)
     fixtures, items = [], []
     for k, share in enumerate((0.9, 1.1)):
         rotation = _about_y(share * critical)
         base = np.array([0.0, 1.0 * k - 0.5, 0.6])
         quat = quat_from_rotation(rotation)
         plane = Box(np.array([1.2, 0.4, 0.04]))
-        fixtures.append(Fixture(f"plane{k}", plane, np.concatenate([base, quat])))
+        pose = np.concatenate([base, quat])
+        fixtures.append(Fixture(f"plane{k}", plane, pose, of_plane))
         centre = base + rotation @ np.array([-0.3, 0.0, 0.04])
-        item = box(f"b{k}", (0.12, 0.12, 0.04), 0.3, FRICTION)
+        item = box(f"b{k}", (0.12, 0.12, 0.04), 0.3, of_box)
         items.append((item, np.concatenate([centre, quat])))
     problem = on_a_board(*items, fixtures=fixtures)
     result = bench.make(problem, bench.arm, ()).rollout(problem.initial, still(0.6))
@@ -247,6 +258,32 @@ def incline(bench: Bench) -> str:
     require(below < 1.5e-3, f"at 0.9 of the critical angle it slid {1e3 * below:.1f} mm")
     require(above > 0.03, f"at 1.1 of the critical angle it slid only {1e3 * above:.1f} mm")
     return f"{1e3 * below:.2f} mm below, {1e3 * above:.0f} mm above"
+
+
+def object_friction(bench: Bench) -> str:
+    """A box on another one that the hand speeds up: friction alone carries it along."""
+    of_low, of_high, speed, ramp = 0.4, 0.25, 0.6, 0.4
+    start = tool(-0.10 - FOOT / 2.0 - 0.001, 0.0, 0.015)
+    low, high = (
+        box("low", (0.2, 0.2, 0.04), 0.3, of_low),
+        box("high", (0.06, 0.06, 0.04), 0.1, of_high),
+    )
+    problem = on_a_board(placed(low, 0.0, 0.0), (high, make_pose([0.0, 0.0, 0.06])), start=start)
+    push = motion(line(start, start + 0.5 * speed * ramp * heading(0.0), speed, ramp=ramp))
+    options = RolloutOptions(stop_early=False, trace_step=_GRID)
+    result = bench.make(problem, bench.arm, ()).rollout(problem.initial, push, options=options)
+    trace = result.trace
+    require(trace is not None, "a trace was asked for")
+    assert trace is not None
+    last = int(np.searchsorted(trace.times, ramp - 1e-9))
+    low_x, high_x = trace.poses[last, :2, 0]
+    require(low_x > 0.1, f"the hand pushed the lower box by {1e3 * low_x:.0f} mm only")
+    found, product = 2.0 * high_x / (GRAVITY * ramp**2), of_low * of_high
+    require(
+        abs(found / product - 1.0) < _ON_TOP,
+        f"a box on a box is carried along with a coefficient of {found:.3f}, not {product:.3f}",
+    )
+    return f"{found:.3f}; product {product:.3f}"
 
 
 def _about_y(angle: float) -> Array:

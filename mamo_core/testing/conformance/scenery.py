@@ -74,8 +74,9 @@ def line(
     if cruise < 0.0:
         raise ValueError(f"line: {distance:g} m are too short to gain {speed:g} m/s")
     slow = np.linspace(0.0, ramp, 11)
-    times = np.append(slow, ramp + cruise) if cruise > 0.0 else slow
-    gone = np.append(0.5 * speed / ramp * slow**2, distance) if cruise > 0.0 else slow
+    times, gone = slow, 0.5 * speed / ramp * slow**2
+    if cruise > 0.0:
+        times, gone = np.append(times, ramp + cruise), np.append(gone, distance)
     path = start + (gone / distance)[:, None] * (end - start)
     return MotionSegment(SegmentKind.SWEEP, Trajectory(times, path), 0.0, held, False, settle)
 

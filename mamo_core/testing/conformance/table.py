@@ -79,6 +79,18 @@ CHECKS: tuple[Check, ...] = (
     Check("sliding", "boxes slide as far as friction lets them, within 6 %", physics.sliding, _D),
     Check("tipping", "low pushes slide a box, high pushes tip it", physics.tipping, _D),
     Check("incline", "a box slides from the friction angle on", physics.incline, _D),
+    Check(
+        "object_friction",
+        "between two objects friction is the product",
+        physics.object_friction,
+        "friction_product",
+    ),
+    Check(
+        "fixture_friction",
+        "a fixture's friction multiplies the object's",
+        physics.fixture_friction,
+        "friction_product",
+    ),
     Check("half_friction", "half the friction, twice the way", physics.half_friction, _D),
     Check("double_mass", "twice the mass shoves farther", physics.double_mass, _D),
     Check("attachment", "a held object follows the hand", physics.attachment, _D),

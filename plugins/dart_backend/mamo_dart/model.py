@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mamo_core.errors import InputError
 from mamo_core.interfaces.constraint import InteractionConstraint
 from mamo_core.robots.model import ArmModel
 from mamo_core.simulation.model import SimulatedModel
@@ -17,7 +18,17 @@ def make_model(
     constraints: tuple[InteractionConstraint, ...],
     options: DARTOptions,
 ) -> SimulatedModel:
-    """DART in this process."""
+    """DART in this process.
+
+    Raises:
+        InputError: a fixture whose friction is not 1, as a pair gets the smaller coefficient here.
+    """
+    for fixture in problem.scene.fixtures:
+        if fixture.friction != 1.0:
+            raise InputError(
+                f"backend 'dart': fixture {fixture.name!r} of problem {problem.name!r} has "
+                f"friction {fixture.friction:g}, expected 1 (others need friction_product)"
+            )
 
     def world(parameters: ParameterOverrides | None) -> DARTWorld:
         return DARTWorld(problem, arm, options, parameters)

@@ -82,6 +82,7 @@ class MuJoCoWorlds:
             model.body_inertia[body] *= mass / model.body_mass[body]
             model.body_mass[body] = mass
         frictions = {o.name: o.friction for o in scene.objects}
+        frictions.update((f.name, f.friction) for f in scene.fixtures)
         frictions.update(parameters.frictions)
         for name in parameters.frictions:
             model.geom_friction[model.geom(name).id, 0] = frictions[name]

@@ -32,6 +32,7 @@ def mamo_backends() -> Iterable[Component]:
                     "batch",
                     "dynamics",
                     "exact_continuation",
+                    "friction_product",
                     "parameter_overrides",
                     "tool_pose",
                 }

@@ -193,15 +193,21 @@ def _add_shape(
 
 
 def _add_friction_pairs(spec: Any, problem: Problem, options: MuJoCoOptions) -> None:
-    """Between two objects MuJoCo would take the larger coefficient; the rule is the product."""
-    loose = [o for o in problem.scene.objects if o.mobility is not Mobility.IMMOVABLE]
-    for i, one in enumerate(loose):
-        for other in loose[i + 1 :]:
-            mu = one.friction * other.friction
+    """Between two objects MuJoCo would take the larger coefficient; the rule is the product.
+
+    Fixtures need it only where their factor is not 1: the object's own coefficient decides there.
+    """
+    loose = [
+        (o.name, o.friction) for o in problem.scene.objects if o.mobility is not Mobility.IMMOVABLE
+    ]
+    fixtures = [(f.name, f.friction) for f in problem.scene.fixtures if f.friction != 1.0]
+    for i, (one, of_one) in enumerate(loose):
+        for other, of_other in (*loose[i + 1 :], *fixtures):
+            mu = of_one * of_other
             spec.add_pair(
-                name=f"{one.name}|{other.name}",
-                geomname1=one.name,
-                geomname2=other.name,
+                name=f"{one}|{other}",
+                geomname1=one,
+                geomname2=other,
                 condim=3,
                 friction=[mu, mu, _TORSION, _ROLLING, _ROLLING],
                 solref=_solref(options),

@@ -35,6 +35,7 @@ def mamo_backends() -> Iterable[Component]:
                     "batch",
                     "dynamics",
                     "exact_continuation",
+                    "friction_product",
                     "isolated",
                     "parameter_overrides",
                     "tool_pose",

@@ -218,12 +218,20 @@ class ToolElsewhere(Spoiled):
 
 
 class Slippery(Spoiled):
-    """Every friction is 10 % too low."""
+    """Every friction is too low."""
+
+    share = 0.9
 
     def rollout(self, *args: Any, parameters: Any = None, **more: Any) -> RolloutResult:
         objects = self.problem.scene.objects
-        low = ParameterOverrides({}, {item.name: 0.9 * item.friction for item in objects})
-        return super().rollout(*args, parameters=low, **more)
+        wrong = {item.name: self.share * item.friction for item in objects}
+        return super().rollout(*args, parameters=ParameterOverrides({}, wrong), **more)
+
+
+class Rough(Slippery):
+    """As if fixtures did not halve friction."""
+
+    share = 2.0
 
 
 class Upright(Spoiled):
@@ -337,6 +345,8 @@ BROKEN_ENGINES = {
     "sliding": with_models(Slippery),
     "tipping": with_models(Upright),
     "incline": with_models(PassesThrough),
+    "object_friction": with_models(Slippery),
+    "fixture_friction": with_models(Rough),
     "half_friction": with_models(IgnoresFrictions),
     "double_mass": with_models(IgnoresMasses),
     "attachment": with_models(HoldsNothing),
