@@ -1,11 +1,13 @@
-"""How far engines agree, and whether plans made with one hold in the others.
+"""What engines promise, how far they agree, and whether plans made with one hold in the others.
 
+    python benchmarks/engines.py grades
     python benchmarks/engines.py pushes SET... --count 40
     python benchmarks/engines.py transfer SET... --limit 20 --json out/transfer.json
 
-``pushes`` executes pushes that are valid in the first engine in all of them. ``transfer`` plans
-with a recipe and replays every plan from its start in all engines; with --json it can be
-interrupted, and the same command goes on where it stopped. Everything runs in this process.
+``grades`` runs the conformance suite. ``pushes`` executes pushes that are valid in the first engine
+in all of them. ``transfer`` plans with a recipe and replays every plan from its start in all
+engines; with --json it can be interrupted, and the same command goes on where it stopped.
+Everything runs in this process.
 """
 
 from __future__ import annotations
@@ -24,8 +26,8 @@ def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    made.add_argument("what", choices=("pushes", "transfer"))
-    made.add_argument("sets", nargs="+", type=Path, metavar="SET", help="problem files")
+    made.add_argument("what", choices=("grades", "pushes", "transfer"))
+    made.add_argument("sets", nargs="*", type=Path, metavar="SET", help="problem files")
     made.add_argument("--backends", default="mujoco,pybullet,dart", metavar="A,B,...")
     made.add_argument("--planner", default="m4m", metavar="NAME|FILE", help="recipe")
     made.add_argument("--set", action="append", default=[], dest="settings", metavar="KEY=VALUE")
@@ -45,12 +47,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from mamo_core.errors import MamoError
 
     try:
-        run = _pushes if options.what == "pushes" else _transfer
+        run = {"grades": _grades, "pushes": _pushes, "transfer": _transfer}[options.what]
         print(run(options, options.backends.split(",")))
     except MamoError as error:
         print(f"error: {error}", file=sys.stderr)
         return error.exit_code
     return 0
+
+
+def _grades(options: argparse.Namespace, engines: list[str]) -> str:
+    from measures.engine_grades import grades_table
+
+    from mamo_core.plugins import discover
+    from mamo_core.warmup import load_kernels
+
+    registry = discover()
+    load_kernels(registry)
+    return grades_table(registry, engines)
 
 
 def _pushes(options: argparse.Namespace, engines: list[str]) -> str:

@@ -47,7 +47,7 @@ def arrival(bench: Bench) -> str:
     require(not result.stalled, "the arm stalled")
     lag = float(np.abs(result.final_state.joint_positions - cases.push.end).max())
     require(lag < JOINT_TOLERANCE, f"the arm ends {lag:.3f} rad (or m) from the motion's end")
-    return f"{lag:.4f} rad (or m)"
+    return f"{lag:.4f} m"
 
 
 def push(bench: Bench) -> str:

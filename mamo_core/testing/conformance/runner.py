@@ -60,7 +60,7 @@ def check_backend(component: Component) -> Iterator[CheckReport]:
 def run_check(check: Check, bench: Bench, component: Component) -> CheckReport:
     """One check, judged: a known gap that has healed fails, as does a declared capability that
     is not there."""
-    grade = component.grades.get(check.name, "exact")
+    grade = component.grades.get(check.name, check.grade)
     if check.needs is not None and check.needs not in bench.capabilities:
         return CheckReport(check, Verdict.DECLARED_UNSUPPORTED, grade, message=check.needs)
     gap = component.known_gaps.get(check.name)

@@ -21,6 +21,16 @@ def _build(context: BuildContext, options: DARTOptions) -> Any:
     return isolated(make, options.workers, options.patience)
 
 
+_CONTACT_CHECKS = (
+    "robot_touches_immovable",
+    "robot_touches_target",
+    "robot_touches_fixture",
+    "object_touches_immovable",
+    "object_touches_target",
+)
+_ONSET = "contacts shorter than 20 ms may be missed"
+
+
 @hookimpl
 def mamo_backends() -> Iterable[Component]:
     """DART."""
@@ -42,5 +52,6 @@ def mamo_backends() -> Iterable[Component]:
             ),
             extra="dart",
             cost=16.0,
+            grades=dict.fromkeys(_CONTACT_CHECKS, _ONSET),
         ),
     ]

@@ -3,9 +3,10 @@
 Exact: geometry, masses, joint servos (velocities are reached within one step), collision by ODE,
 whose result depends on poses alone. Approximated: with ``contacts: cones`` friction cones are
 circular and solved to a tolerance, with ``boxes`` they are square pyramids; between two objects the
-coefficient is the smaller one, not the product; contacts are looked at every ``contacts_every``
-steps; immovable objects are fixed bodies (touching one is a violation, so how it would move never
-matters); an object is held by a constraint between two bodies.
+coefficient is the smaller one, not the product, and fixtures that change friction are refused;
+contacts are looked at every ``contacts_every`` steps; immovable objects are fixed bodies (touching
+one is a violation, so how it would move never matters); an object is held by a constraint between
+two bodies.
 """
 
 from __future__ import annotations

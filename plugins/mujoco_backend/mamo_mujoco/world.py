@@ -1,8 +1,10 @@
 """Builds the MuJoCo world of a problem.
 
-Exact: geometry, masses, elliptic friction cones, product friction between objects and the
-object's own friction against arm and fixtures. Approximated: immovable objects are fixed bodies
-(touching one is a violation, so how it would move never matters); an object is held by a weld.
+Exact: geometry, masses, elliptic friction cones, product friction between objects and with
+fixtures, the object's own friction against the arm. Approximated: contacts are soft, so that what
+presses hard sinks in a little; immovable objects are fixed bodies (touching one is a violation, so
+how it would move never matters, nor that the larger coefficient counts there); an object is held by
+a weld.
 """
 
 from __future__ import annotations

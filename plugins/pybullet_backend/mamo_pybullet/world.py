@@ -1,10 +1,10 @@
 """Builds the PyBullet world of a problem.
 
-Exact: geometry, masses, friction cones, product friction between objects and the object's own
-friction against arm and fixtures. Approximated: contacts are solved by up to ``iterations`` sweeps
-(sequential impulses), not exactly; friction against twisting is left out; immovable objects are
-fixed bodies (touching one is a violation, so how it would move never matters); an object is held
-by a constraint between two bodies.
+Exact: geometry, masses, friction cones, product friction between objects and with fixtures, the
+object's own friction against the arm. Approximated: contacts are solved by up to ``iterations``
+sweeps (sequential impulses), not exactly; friction against twisting is left out; immovable objects
+are fixed bodies (touching one is a violation, so how it would move never matters); an object is
+held by a constraint between two bodies.
 """
 
 from __future__ import annotations
