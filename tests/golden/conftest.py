@@ -5,8 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from mamo_planners.options import GreedyOptions
-from mamo_planners.search.execution import Execution
+from mamo_planners.search.execution import Engine, Execution
 from mamo_planners.search.greedy import GreedySearch
+from mamo_planners.search.run import SearchParts
 
 from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus
 from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld
@@ -71,26 +72,29 @@ class StraightArm(ArmPlanner):
 class Search:
     """A greedy search for a tiny scene, its parts at hand."""
 
-    def __init__(self, problem, actions=None, verifier=None, model=None, others=(), **options):
+    def __init__(
+        self, problem, actions=None, verifier=None, model=None, others=(), retrieval=None, **options
+    ):
         self.problem, self.others = problem, others
         self.model = model or QuasiStaticModel(
             problem, GantryKinematics().forward, standard_constraints(problem)
         )
         self.mapf = Sidewards()
         self.told = []
-        self.search = GreedySearch(
+        self.retrieval = retrieval or StraightRetrieval(problem)
+        parts = SearchParts(
             problem,
-            StraightRetrieval(problem),
+            self.retrieval,
             self.mapf,
-            actions or [StraightPush(problem)],
+            tuple(actions or [StraightPush(problem)]),
             self._execution,
             verifier or self.replay,
-            GreedyOptions(**options),
         )
+        self.search = GreedySearch(parts, GreedyOptions(**options))
 
     def _execution(self, statistics, budget):
         arm = SimpleNamespace(gripper=SimpleNamespace(closed=0.0), velocity=np.ones(4))
-        engines = [("own", self.model), *self.others]
+        engines = [Engine(name, model) for name, model in [("own", self.model), *self.others]]
         parts = (arm, engines, NoCollisions(), StraightArm(), lambda motion, states: True)
         return Execution(self.problem, *parts, statistics, budget)
 

@@ -95,14 +95,11 @@ def test_hopeless_without_proof(search_of):
 
 @pytest.mark.parametrize("cause", ["out_of_reach", "gripper_too_small"])
 def test_hopeless_and_proved(search_of, cause):
-    search = search_of(one_blocker().problem)
-
     class Never:
         def plan(self, state, rng, *, ignore_movables=False, avoid=()):
             return Retrieval(None, causes={cause: 2})
 
-    search.search._retrieval = Never()
-    solution = search.solve()
+    solution = search_of(one_blocker().problem, retrieval=Never()).solve()
     assert solution.status is SolutionStatus.NO_PLAN_PROVED
     assert solution.reason.endswith(f": {cause}")
 

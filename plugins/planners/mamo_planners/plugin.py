@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from mamo_core.types.motion import Motion
     from mamo_core.types.scene import SceneState
     from mamo_core.types.solution import Budget, Statistics
+    from mamo_planners.search.run import SearchParts
 
 
 def _retrieval(context: BuildContext, options: RetrievalOptions) -> Any:
@@ -42,10 +43,10 @@ def _push(context: BuildContext, options: PushOptions) -> Any:
     )
 
 
-def _greedy(context: BuildContext, options: GreedyOptions) -> Any:
+def _search_parts(context: BuildContext) -> SearchParts:
     from mamo_core.robots.contact_free import check_meshes
-    from mamo_planners.search.execution import Execution
-    from mamo_planners.search.greedy import GreedySearch
+    from mamo_planners.search.execution import Engine, Execution
+    from mamo_planners.search.run import SearchParts
 
     scene, robot = context.problem.scene, context.robot
 
@@ -53,10 +54,11 @@ def _greedy(context: BuildContext, options: GreedyOptions) -> Any:
         return not check_meshes(scene, motion.segments, states, robot, motion.opening)
 
     def execution(statistics: Statistics, budget: Budget) -> Execution:
+        engines = [("backend", context.part("backend")), *context.accept_in]
         return Execution(
             context.problem,
             robot,
-            [("backend", context.part("backend")), *context.accept_in],
+            [Engine(name, model) for name, model in engines],
             context.part("collision"),
             context.part("arm_planner"),
             contact_free,
@@ -64,15 +66,20 @@ def _greedy(context: BuildContext, options: GreedyOptions) -> Any:
             budget,
         )
 
-    return GreedySearch(
+    return SearchParts(
         context.problem,
         context.part("retrieval"),
         context.part("mapf"),
-        [generator for _, generator in context.actions],
+        tuple(generator for _, generator in context.actions),
         execution,
         context.part("verifier"),
-        options,
     )
+
+
+def _greedy(context: BuildContext, options: GreedyOptions) -> Any:
+    from mamo_planners.search.greedy import GreedySearch
+
+    return GreedySearch(_search_parts(context), options)
 
 
 @hookimpl

@@ -1,8 +1,8 @@
-"""The continuous execution so far: candidates are tried from where it really stands."""
+"""The continuous execution: candidates are tried from where it really stands."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,9 +13,10 @@ from mamo_core.interfaces.transition_model import RolloutOptions, TransitionMode
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.timing import time_path
 from mamo_core.types.action import RearrangementAction
+from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind
 from mamo_core.types.problem import Problem
-from mamo_core.types.rollout import RolloutResult
+from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Budget, Statistics
 
@@ -25,18 +26,54 @@ _HOME_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class _Line:
-    """The continuous execution in one engine: where it stands, and how to go on there."""
+class Engine:
+    """An engine that executes the plan, with other masses and frictions if some are given."""
 
     name: str
     model: TransitionModel
+    parameters: ParameterOverrides | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """Where an engine stands in the execution, and how to go on there."""
+
+    engine: Engine
     state: SceneState
     token: object = None
 
-    def after(self, result: RolloutResult, motion: Motion) -> _Line:
+    def after(self, result: RolloutResult, motion: Motion) -> Line:
         """The next motion starts where this one commanded the arm to stop."""
-        state = result.final_state.with_joints(motion.end)
-        return replace(self, state=state, token=result.continuation)
+        return replace(
+            self, state=result.final_state.with_joints(motion.end), token=result.continuation
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Stand:
+    """Where the execution stands in every engine that has followed so far; the first one leads.
+
+    ``predicted``: nobody has executed what led here.
+    """
+
+    leading: Line
+    others: tuple[Line, ...] = ()
+    predicted: bool = False
+
+    @property
+    def state(self) -> SceneState:
+        """What the search plans from."""
+        return self.leading.state
+
+    def believed(self, state: SceneState) -> Stand:
+        """Every engine is said to be in ``state``, at rest."""
+        leading, *others = (replace(n, state=state, token=None) for n in self.lines)
+        return Stand(leading, tuple(others), predicted=True)
+
+    @property
+    def lines(self) -> tuple[Line, ...]:
+        """All of them."""
+        return (self.leading, *self.others)
 
 
 Accept = Callable[[SceneState], bool]
@@ -46,135 +83,182 @@ ExecutionFactory = Callable[[Statistics, Budget], "Execution"]
 
 
 class Execution:
-    """Grows one action at a time from the initial state.
+    """Executes actions one after the other; it holds nothing that changes but statistics.
 
     A candidate is first rolled out alone, from its sweep on, which is cheap. If that is valid the
     whole motion is executed from the engine's exact state, so that what the search believes is
     what the continuous execution does (needs the capability exact_continuation). Other engines
-    are asked last; each executes the plan in a line of its own.
+    are asked last; each executes the plan in a line of its own, and ``tolerated`` of them may
+    fail on the way.
     """
 
     def __init__(
         self,
         problem: Problem,
         arm: ArmModel,
-        engines: Sequence[tuple[str, TransitionModel]],
+        engines: Sequence[Engine],
         collision: CollisionChecker,
         arm_planner: ArmPlanner,
         contact_free: ContactFree,
         statistics: Statistics,
         budget: Budget,
+        tolerated: int = 0,
     ) -> None:
         """``engines``: the first one's state is what the search plans from."""
         self._contact_free = contact_free
         self._problem, self._arm = problem, arm
         self._collision, self._arm_planner = collision, arm_planner
         self._stats, self._budget = statistics, budget
-        self._own, *self._others = [_Line(n, m, problem.initial) for n, m in engines]
+        leading, *others = [Line(engine, problem.initial) for engine in engines]
+        self.start = Stand(leading, tuple(others))
+        """Where everything begins."""
+        self._needed = len(others) - tolerated
 
-    @property
-    def state(self) -> SceneState:
-        """Where the first engine stands."""
-        return self._own.state
+    def after(
+        self, stand: Stand, action: RearrangementAction, accept: Accept | None
+    ) -> Stand | None:
+        """Where the execution stands after the action.
 
-    def commit(self, action: RearrangementAction, accept: Accept | None) -> bool:
-        """Execute the action if it is valid, moves its object and passes ``accept``."""
+        None if it is not valid, does not move its object, or does not pass ``accept``.
+        """
         sweep = action.motion.after_transit()
-        alone = replace(self._own, state=self.state.with_joints(sweep.start), token=None)
-        trial = self._rollout(alone, sweep, None)
+        start = stand.state.with_joints(sweep.start)
+        trial = self._rollout(replace(stand.leading, state=start, token=None), sweep, None)
         if not self._good(trial, action, accept):
-            return False
+            return None
         self._stats.counts["valid_rollouts"] += 1
-        whole = self._rollout(self._own, action.motion, _KEEP)
+        whole = self._rollout(stand.leading, action.motion, _KEEP)
         if not self._good(whole, action, accept):
             self._stats.failed(action.object_name, action.kind, "not_reproduced")
-            return False
-        elsewhere = self._elsewhere(action, accept)
-        if elsewhere is None:
-            return False
-        self._own, self._others = self._own.after(whole, action.motion), elsewhere
-        return True
+            return None
+        others = self._elsewhere(stand, action, accept)
+        if others is None:
+            return None
+        return Stand(stand.leading.after(whole, action.motion), others, stand.predicted)
 
-    def _elsewhere(self, action: RearrangementAction, accept: Accept | None) -> list[_Line] | None:
-        """The other engines' lines after the action; None if it fails in one of them."""
-        lines = []
-        for line in self._others:
+    def _elsewhere(
+        self, stand: Stand, action: RearrangementAction, accept: Accept | None
+    ) -> tuple[Line, ...] | None:
+        """The other engines' lines after the action; None if it fails in too many of them."""
+        followed = []
+        for number, line in enumerate(stand.others):
             result = self._rollout(line, action.motion, _KEEP)
-            if not (self._good(result, action, accept) and self._free(result, action.motion)):
-                self._stats.failed(action.object_name, action.kind, f"not_valid_in_{line.name}")
+            if self._good(result, action, accept) and self._free(result, action.motion):
+                followed.append(line.after(result, action.motion))
+            elif not self._enough(len(followed) + len(stand.others) - number - 1):
+                where = f"not_valid_in_{line.engine.name}"
+                self._stats.failed(action.object_name, action.kind, where)
                 return None
-            lines.append(line.after(result, action.motion))
-        return lines
+        return tuple(followed)
+
+    def _enough(self, engines: int) -> bool:
+        return engines >= self._needed
 
     def _free(self, result: RolloutResult, motion: Motion) -> bool:
         """Whether a way that was planned for the first engine's poses is free for these, too."""
         return self._contact_free(motion, result.segment_states)
 
-    def retrieval_from_here(self, retrieval: Motion, rng: np.random.Generator) -> Motion | None:
+    def retrieval_from(
+        self, stand: Stand, retrieval: Motion, rng: np.random.Generator
+    ) -> Motion | None:
         """The retrieval with a closed-gripper transit home in front, if the arm is elsewhere."""
-        home = self._problem.home
-        if np.abs(self.state.joint_positions - home).max() < _HOME_TOLERANCE:
+        joints, home = stand.state.joint_positions, self._problem.home
+        if np.abs(joints - home).max() < _HOME_TOLERANCE:
             return retrieval
         opening = self._arm.gripper.closed
-        world = self._collision.world(self.state.object_poses, opening=opening)
-        with self._stats.timed("arm_planning"):
-            plan = self._arm_planner.plan(self.state.joint_positions, home[None, :], world, rng)
-        if plan.path is None:
-            self._stats.failed("arm", "home", str(plan.status))
+        path = self._way(stand.state, home, opening, rng)
+        if path is None:
             return None
-        transit = time_path(plan.path, self._arm.velocity, scale=_TRANSIT_SPEED)
-        segment = MotionSegment(SegmentKind.TRANSIT, transit, opening, contact_free=True)
-        return Motion((segment, *retrieval.segments), opening)
+        return Motion((self._transit(path, opening), *retrieval.segments), opening)
 
-    def retrieval_holds(self, motion: Motion) -> bool:
-        """Whether the retrieval is valid in the continuous execution, in every engine."""
-        for line in (self._own, *self._others):
+    def approached_anew(
+        self, stand: Stand, motion: Motion, rng: np.random.Generator
+    ) -> Motion | None:
+        """``motion`` with a new transit to its first sweep; None if none is found."""
+        sweep = motion.after_transit()
+        path = self._way(stand.state, sweep.start, sweep.opening, rng)
+        if path is None:
+            return None
+        return Motion((self._transit(path, sweep.opening), *sweep.segments), sweep.opening)
+
+    def _way(
+        self, state: SceneState, goal: Array, opening: float, rng: np.random.Generator
+    ) -> Array | None:
+        world = self._collision.world(state.object_poses, opening=opening)
+        with self._stats.timed("arm_planning"):
+            plan = self._arm_planner.plan(state.joint_positions, goal[None, :], world, rng)
+        if plan.path is None:
+            self._stats.failed("arm", "transit", str(plan.status))
+        return plan.path
+
+    def _transit(self, path: Array, opening: float) -> MotionSegment:
+        timed = time_path(path, self._arm.velocity, scale=_TRANSIT_SPEED)
+        return MotionSegment(SegmentKind.TRANSIT, timed, opening, contact_free=True)
+
+    def retrieval_holds(self, stand: Stand, motion: Motion) -> bool:
+        """Whether the retrieval is valid in the continuous execution, in enough engines."""
+        result = self._rollout(stand.leading, motion, None)
+        self._count_failures(result, "arm", "retrieval")
+        if not result.valid:
+            return False
+        holding = 0
+        for number, line in enumerate(stand.others):
             result = self._rollout(line, motion, None)
             self._count_failures(result, "arm", "retrieval")
-            if line is self._own and not result.valid:
-                return False
-            if line is not self._own and not (result.valid and self._free(result, motion)):
-                self._stats.failed("arm", "retrieval", f"not_valid_in_{line.name}")
+            if result.valid and self._free(result, motion):
+                holding += 1
+            elif not self._enough(holding + len(stand.others) - number - 1):
+                self._stats.failed("arm", "retrieval", f"not_valid_in_{line.engine.name}")
                 return False
         return True
 
     def _good(
         self, result: RolloutResult, action: RearrangementAction, accept: Accept | None
     ) -> bool:
-        self._count_failures(result, action.object_name, action.kind)
-        if not result.valid:
-            return False
+        cause = next(self._faults(result, action, accept), None)
+        if cause is not None:
+            self._stats.failed(action.object_name, action.kind, cause)
+        return cause is None
+
+    def _faults(
+        self, result: RolloutResult, action: RearrangementAction, accept: Accept | None
+    ) -> Iterator[str]:
+        yield from _broken(result)
         if action.object_name not in result.moved:
-            self._stats.failed(action.object_name, action.kind, "unmoved")
-            return False
+            yield "unmoved"
         end = action.motion.end
         world = self._collision.world(
             result.final_state.object_poses, opening=action.motion.segments[-1].opening
         )
         if not world.free(end)[0]:
-            self._stats.failed(action.object_name, action.kind, "arm_blocked_after")
-            return False
+            yield "arm_blocked_after"
         if accept is not None and not accept(result.final_state):
-            self._stats.failed(action.object_name, action.kind, "no_gain")
-            return False
-        return True
+            yield "no_gain"
 
     def _count_failures(self, result: RolloutResult, subject: str, action: str) -> None:
-        if result.lost is not None:
-            self._stats.failed(subject, action, result.lost)
-        if result.stalled:
-            self._stats.failed(subject, action, "stalled")
-        for violation in result.violations[:1]:
-            self._stats.failed(subject, action, violation.constraint)
+        for cause in _broken(result):
+            self._stats.failed(subject, action, cause)
 
-    def _rollout(
-        self, line: _Line, motion: Motion, options: RolloutOptions | None
-    ) -> RolloutResult:
+    def _rollout(self, line: Line, motion: Motion, options: RolloutOptions | None) -> RolloutResult:
         self._stats.counts["rollouts"] += 1
         with self._stats.timed("rollouts"):
-            result = line.model.rollout(
-                line.state, motion, options=options, continue_from=line.token
+            result = line.engine.model.rollout(
+                line.state,
+                motion,
+                parameters=line.engine.parameters,
+                options=options,
+                continue_from=line.token,
             )
         self._stats.charge("rollouts", result.outside_cpu)
         self._budget.charge(result.outside_cpu)
         return result
+
+
+def _broken(result: RolloutResult) -> Iterator[str]:
+    """Why a rollout is not valid; of its violations the first."""
+    if result.lost is not None:
+        yield result.lost
+    if result.stalled:
+        yield "stalled"
+    for violation in result.violations[:1]:
+        yield violation.constraint

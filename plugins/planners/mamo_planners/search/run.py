@@ -1,0 +1,184 @@
+"""What every search over rearrangements does: draw an NGR, ask MAPF, execute, try to retrieve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mamo_core.interfaces.action_generator import ActionGenerator, ActionRequest
+from mamo_core.interfaces.mapf_solver import MAPFSolver
+from mamo_core.interfaces.retrieval import RetrievalPlanner
+from mamo_core.interfaces.search_strategy import ProgressCallback
+from mamo_core.types.action import RearrangementAction
+from mamo_core.types.geometry import Array
+from mamo_core.types.mapf import GoalPenalty, MAPFBudget
+from mamo_core.types.motion import Motion
+from mamo_core.types.problem import Problem
+from mamo_core.types.region import SweptRegion
+from mamo_core.types.scene import SceneState
+from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus, Statistics
+from mamo_planners.search.abstraction import mapf_problem, occupancy
+from mamo_planners.search.execution import Accept, Execution, ExecutionFactory, Stand
+
+if TYPE_CHECKING:
+    from mamo_core.verify import VerifyReport
+
+Actions = tuple[RearrangementAction, ...]
+Paths = dict[str, Array]
+Penalties = Mapping[str, Sequence[GoalPenalty]]
+Verifier = Callable[[Plan], "VerifyReport"]
+
+
+@dataclass(frozen=True, eq=False)
+class SearchParts:
+    """What a search works with."""
+
+    problem: Problem
+    retrieval: RetrievalPlanner
+    mapf: MAPFSolver
+    actions: tuple[ActionGenerator, ...]
+    execution: ExecutionFactory
+    verifier: Verifier
+
+    @property
+    def target_name(self) -> str:
+        """The object to retrieve."""
+        scene = self.problem.scene
+        return scene.objects[scene.target_index].name
+
+
+@dataclass(frozen=True)
+class RetrievalEffort:
+    """``regions``: retrievals drawn for an NGR; ``grasp_tries``: retrievals tried at one state."""
+
+    regions: int
+    grasp_tries: int
+
+
+class SearchRun:
+    """One call of ``solve``: the parts with its budget, generator and statistics."""
+
+    def __init__(
+        self,
+        parts: SearchParts,
+        budget: Budget,
+        rng: np.random.Generator,
+        progress: ProgressCallback,
+        effort: RetrievalEffort,
+        mapf_budget: MAPFBudget,
+        goal_margin: float,
+    ) -> None:
+        self.parts, self.budget, self.rng, self.progress = parts, budget, rng, progress
+        self.statistics = Statistics()
+        self.execution: Execution = parts.execution(self.statistics, budget)
+        self._effort, self._mapf_budget, self._goal_margin = effort, mapf_budget, goal_margin
+
+    def region(self) -> SweptRegion | None:
+        """The NGR of the retrieval, of a few drawn, whose way is blocked the least."""
+        best: tuple[tuple[int, float], SweptRegion] | None = None
+        problem, retrieval = self.parts.problem, self.parts.retrieval
+        for _ in range(self._effort.regions):
+            with self.statistics.timed("retrieval"):
+                found = retrieval.plan(problem.initial, self.rng, ignore_movables=True)
+                if found.motion is None:
+                    for cause, times in found.causes.items():
+                        self.statistics.failed(self.parts.target_name, "retrieval", cause, times)
+                    continue
+                region = retrieval.swept_region(problem.initial, found.motion)
+            rank = occupancy(problem, problem.initial, region)
+            if best is None or rank < best[0]:
+                best = (rank, region)
+            if rank[0] == 0:
+                break
+        return best[1] if best is not None else None
+
+    def retrieve(self, stand: Stand, done: Actions, region: SweptRegion | None) -> Plan | None:
+        """A verified plan if the target can be taken out now; failing grasps are left aside."""
+        avoid: set[int] = set()
+        for _ in range(self._effort.grasp_tries):
+            with self.statistics.timed("retrieval"):
+                self.statistics.counts["retrievals"] += 1
+                found = self.parts.retrieval.plan(stand.state, self.rng, avoid=avoid)
+            if found.motion is None or self.budget.exhausted:
+                return None
+            plan = self._confirmed(stand, done, found.motion, region)
+            if plan is not None:
+                return plan
+            avoid.add(found.grasp)
+        return None
+
+    def _confirmed(
+        self, stand: Stand, done: Actions, retrieval: Motion, region: SweptRegion | None
+    ) -> Plan | None:
+        motion = self.execution.retrieval_from(stand, retrieval, self.rng)
+        if motion is None or not self.execution.retrieval_holds(stand, motion):
+            return None
+        plan = Plan(done, motion, region)
+        with self.statistics.timed("verification"):
+            report = self.parts.verifier(plan)
+        self.statistics.charge("verification", report.outside_cpu)
+        self.budget.charge(report.outside_cpu)
+        for failure in report.failures:
+            self.statistics.failed("plan", "verification", failure)
+        return plan if report.ok else None
+
+    def paths(self, state: SceneState, region: SweptRegion, penalties: Penalties) -> Paths:
+        """Where MAPF wants objects to go; empty if it finds nothing or nobody has to move."""
+        problem = mapf_problem(self.parts.problem, state, region, penalties, self._goal_margin)
+        with self.statistics.timed("mapf"):
+            solution = self.parts.mapf.solve(problem, self._mapf_budget, self.rng)
+        self.statistics.counts["mapf_calls"] += 1
+        self.statistics.counts[f"mapf_{solution.status}"] += 1
+        for name, reason in solution.blame.items():
+            self.statistics.failed(name, "mapf", reason)
+        return {n: p for n, p in solution.paths.items() if len(p) > 1 and _moves(p)}
+
+    def realise(
+        self,
+        stand: Stand,
+        generator: ActionGenerator,
+        request: ActionRequest,
+        accept: Accept | None = None,
+    ) -> tuple[RearrangementAction, Stand] | None:
+        """The first action a generator proposes that is valid, and where it leads."""
+        proposals = generator.propose(stand.state, request, self.rng, self.statistics)
+        for action in proposals:
+            if self.budget.exhausted:
+                return None
+            after = self.execution.after(stand, action, accept)
+            if after is not None:
+                return action, after
+        return None
+
+    def lessens(self, region: SweptRegion, before: SceneState) -> Accept:
+        """Whether a state leaves less of the region occupied than ``before``."""
+        problem = self.parts.problem
+        rank = occupancy(problem, before, region)
+        return lambda after: occupancy(problem, after, region) < rank
+
+    def no_plan(self) -> Solution:
+        """The end of a search that found nothing."""
+        status = SolutionStatus.BUDGET_EXHAUSTED
+        return Solution(status, None, self.statistics, "no plan within the budget")
+
+    def no_retrieval(self) -> Solution:
+        """The end of a search that found no retrieval even without the movables."""
+        name = self.parts.target_name
+        prefix = f"{name}/retrieval/"
+        causes = {
+            key.removeprefix(prefix): times
+            for key, times in self.statistics.causes.items()
+            if key.startswith(prefix) and times
+        }
+        worst = max(causes, key=lambda cause: causes[cause], default="no grasp given")
+        words = f"no way to retrieve {name} even without movables: {worst}"
+        proved = set(causes) <= {"out_of_reach", "gripper_too_small"}
+        status = SolutionStatus.NO_PLAN_PROVED if proved else SolutionStatus.BUDGET_EXHAUSTED
+        return Solution(status, None, self.statistics, words)
+
+
+def _moves(path: Array) -> bool:
+    return bool(np.linalg.norm(path[-1] - path[0]) > 1e-9)
