@@ -68,9 +68,9 @@ def _grades(options: argparse.Namespace, engines: list[str]) -> str:
 
 def _pushes(options: argparse.Namespace, engines: list[str]) -> str:
     from measures.engine_pushes import run_pushes, tables
-    from success_runner import pick
 
     from mamo_core.plugins import discover
+    from mamo_core.study.problems import pick
     from mamo_core.warmup import load_kernels
 
     registry = discover()
@@ -85,11 +85,11 @@ def _pushes(options: argparse.Namespace, engines: list[str]) -> str:
 
 def _transfer(options: argparse.Namespace, engines: list[str]) -> str:
     from measures.engine_transfer import line_of, transfer_row, transfer_table
-    from success_rows import RowFile, identity
-    from success_runner import pick
+    from row_file import RowFile, identity
 
-    from mamo_core.cli.planning import chosen_recipe
     from mamo_core.plugins import discover
+    from mamo_core.recipe_sets import chosen_recipe
+    from mamo_core.study.problems import pick
     from mamo_core.warmup import load_kernels
 
     registry = discover()

@@ -114,7 +114,7 @@ def document(values: dict[str, float], how: dict[str, str]) -> dict[str, Any]:
 
 def table(values: dict[str, float], how: dict[str, str]) -> str:
     """A Markdown table, the target beside each figure."""
-    from success_tables import markdown
+    from mamo_core.study.tables import markdown
 
     header = ("figure", "measured", "target", "met", "how")
     return markdown(

@@ -9,8 +9,19 @@ from typing import Any
 
 from mamo_core.config import Located, load_text
 from mamo_core.errors import InputError, suggestion
+from mamo_core.recipes import LoadedRecipe, find_recipe, load_recipe
 
 Keys = tuple[str | int, ...]
+
+
+def chosen_recipe(
+    planner: str, backend: str | None = None, settings: tuple[str, ...] = ()
+) -> LoadedRecipe:
+    """The recipe with what the command line changes; ``--set`` comes after ``--backend``."""
+    located = find_recipe(planner)
+    if backend is not None and isinstance(located.data, dict):
+        located = override(located, ["backend"], backend, "--backend")
+    return load_recipe(apply_sets(located, settings))
 
 
 def apply_sets(recipe: Located, settings: Iterable[str]) -> Located:
@@ -67,7 +78,7 @@ def _assign(data: Any, keys: list[str], value: Any, origin: str) -> Keys:
 
 
 def _step(container: Any, key: str, dotted: str, origin: str) -> str | int:
-    """The key, or the place of the part with that name in a list."""
+    """The key, or the place in a list: of the part with that name, or counted from 0."""
     if isinstance(container, dict):
         return key
     if not isinstance(container, list):
@@ -75,5 +86,7 @@ def _step(container: Any, key: str, dotted: str, origin: str) -> str | int:
     names = [item.get("name") if isinstance(item, dict) else item for item in container]
     if key in names:
         return names.index(key)
+    if key.isdecimal() and int(key) < len(container):
+        return int(key)
     hint = suggestion(key, (name for name in names if isinstance(name, str)))
     raise InputError(f"{origin}: no {key!r} in {dotted!r}{hint}")

@@ -8,6 +8,7 @@ import numpy as np
 
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
 from mamo_core.robots.contact_free import check_meshes
+from mamo_core.robots.exact_collision import ExactChecker
 from mamo_core.robots.kinematics import tool_transform
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array, invert, matrix_from_pose
@@ -60,7 +61,8 @@ def verify(
 
     Checked: form, joint limits, speeds and continuity of all trajectories; every interaction
     constraint at every step; contact-free segments against exact meshes, with the objects where
-    the execution left them; that the target ends in the hand, at home.
+    the execution left them; that the fingers close on what they pick up to rearrange it; that the
+    target ends in the hand, at home.
     """
     static = [*check_form(problem, plan), *check_trajectories(problem, plan, robot)]
     if static:
@@ -74,7 +76,10 @@ def verify(
         states = rollout.segment_states
         found = {
             "mesh": check_meshes(problem.scene, segments, states, robot, whole.opening),
-            "grasp": check_grasp(problem, segments, states, robot),
+            "grasp": [
+                *check_grasp(problem, segments, states, robot),
+                *check_closed(problem, segments, states, robot, whole.opening),
+            ],
             "not_retrieved": check_retrieved(problem, segments, rollout, robot),
         }
     kinds = tuple(kind for kind, texts in found.items() if texts)
@@ -175,6 +180,52 @@ def check_grasp(
         if np.linalg.norm(T[:3, 3] - G[:3, 3]) <= _GRASP_OFF and turned <= _GRASP_TURNED:
             return []
     return ["the target is held where no grasp of the problem puts the hand"]
+
+
+def check_closed(
+    problem: Problem,
+    segments: tuple[MotionSegment, ...],
+    states: tuple[SceneState, ...],
+    robot: ArmModel,
+    opening: float,
+) -> list[str]:
+    """A rearranged object is held only after the fingers closed on it, on exact meshes.
+
+    With the fingers as they were before they closed the hand must be clear of the object, as
+    commanded then it must touch it. ``opening`` (m): the gripper's before the first segment.
+    """
+    scene = problem.scene
+    target = scene.objects[scene.target_index].name
+    failures = []
+    openings = [opening, opening, *(segment.opening for segment in segments)]
+    held_before = [None, *(segment.held for segment in segments)]
+    for number, (segment, state) in enumerate(zip(segments, states, strict=True)):
+        name = segment.held
+        if name in (None, target, held_before[number]):
+            continue
+        others = [item for item in scene.entities[1:] if item != name]
+        free = [
+            _exact_free(problem, state, robot, width, others, segment)
+            for width in openings[number : number + 2]
+        ]
+        if free != [True, False]:
+            failures.append(f"{segment.kind}: the fingers do not close on {name!r} before")
+    return failures
+
+
+def _exact_free(
+    problem: Problem,
+    state: SceneState,
+    robot: ArmModel,
+    width: float,
+    ignore: list[str],
+    segment: MotionSegment,
+) -> bool:
+    """Whether the arm's meshes are clear where the segment starts, the fingers at ``width``."""
+    world = ExactChecker(problem.scene, robot).world(
+        state.object_poses, opening=width, ignore=ignore
+    )
+    return bool(world.free(segment.trajectory.positions[:1])[0])
 
 
 def _first_held(problem: Problem, segments: tuple[MotionSegment, ...]) -> int:

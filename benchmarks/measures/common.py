@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from mamo_core.cli.planning import chosen_recipe
 from mamo_core.compose import BuildContext, build_parts, choose
 from mamo_core.plugins import Registry
 from mamo_core.problems import generate_shelf
+from mamo_core.recipe_sets import chosen_recipe
 from mamo_core.recipes import DEFAULT_RECIPE
 from mamo_core.types.region import SweptRegion
 

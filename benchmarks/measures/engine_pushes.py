@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from itertools import combinations, islice
 
 import numpy as np
-from success_runner import Picked
 
-from mamo_core.cli.planning import chosen_recipe
 from mamo_core.compare.execute import shifted
 from mamo_core.compose import BuildContext, build_parts, choose
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
 from mamo_core.plugins import Registry
+from mamo_core.recipe_sets import chosen_recipe
+from mamo_core.study.problems import Picked
 from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion
 from mamo_core.types.rollout import RolloutResult

@@ -8,11 +8,10 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
-from success_runner import Picked
-
 from mamo_core.compose import compose
 from mamo_core.plugins import Registry
 from mamo_core.recipes import LoadedRecipe
+from mamo_core.study.problems import Picked
 from mamo_core.verify import verify
 from measures.engine_pushes import engine_models
 
@@ -36,7 +35,7 @@ def transfer_row(
         "set": entry.set_name,
         "id": entry.id,
         "status": str(solution.status),
-        "cpu_s": time.process_time() - started,
+        "cpu_s": time.process_time() - started + solution.statistics.outside_cpu,
         "actions": len(solution.plan.actions) if solution.plan is not None else 0,
         "causes": {k: int(n) for k, n in solution.statistics.causes.most_common(8)},
         "engines": {},

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from itertools import islice
 
 import numpy as np
-from mamo_planners.options import GreedyOptions
 from mamo_planners.search.abstraction import mapf_problem, occupied
+from mamo_planners.search.options import GreedyOptions
 
 from mamo_core.interfaces.mapf_solver import MAPFSolver
 from mamo_core.plugins import Registry

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from itertools import islice
 
 import numpy as np
-from mamo_planners.options import GreedyOptions
 from mamo_planners.search.abstraction import mapf_problem
+from mamo_planners.search.options import GreedyOptions
 
 from mamo_core.compose import BuildContext
 from mamo_core.interfaces.action_generator import ActionRequest

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from mamo_core.atomic import atomic_path, check_writable
 from mamo_core.cli.output import print_json, print_table, progress, warn_of_broken_plugins
-from mamo_core.cli.planning import chosen_recipe
 from mamo_core.compose import build_parts, choose, compose
 from mamo_core.errors import InputError
 from mamo_core.interfaces.search_strategy import ProgressCallback
 from mamo_core.plan_file import is_plan_file, read_plan
 from mamo_core.plugins import Registry, discover
 from mamo_core.problems import load_problem
+from mamo_core.recipe_sets import chosen_recipe
 from mamo_core.types.problem import Problem
 from mamo_core.types.solution import Plan
 from mamo_core.warmup import load_kernels

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-
+from mamo_core.classify import make_classifier
 from mamo_core.cli.output import progress, warn_of_broken_plugins
 from mamo_core.cli.problem_files import check_output, write_problems
-from mamo_core.compose import build_parts, choose
-from mamo_core.errors import InputError
-from mamo_core.plugins import Registry, discover
+from mamo_core.plugins import discover
 from mamo_core.problems import generate_shelf
-from mamo_core.recipes import DEFAULT_RECIPE, LoadedRecipe, find_recipe, load_recipe
-from mamo_core.types.problem import Problem
-
-RETRIEVAL_ROLES = ("kinematics", "collision", "arm_planner", "retrieval")
+from mamo_core.recipes import DEFAULT_RECIPE, find_recipe, load_recipe
 
 
 def run_generate(*, level: str, movables: int, seed: int, count: int, output: Path) -> None:
@@ -34,28 +27,3 @@ def run_generate(*, level: str, movables: int, seed: int, count: int, output: Pa
             )
             problems.append(problem)
     write_problems(problems, output)
-
-
-def make_classifier(recipe: LoadedRecipe, registry: Registry) -> Callable[[Problem], int | None]:
-    """A function that counts the movables in the initial NGR of a problem.
-
-    It is None where even without movables the target cannot be retrieved.
-    """
-
-    def classify(problem: Problem) -> int | None:
-        choices = choose(recipe, problem, registry, RETRIEVAL_ROLES)
-        retrieval = build_parts(choices, problem).retrieval
-        if retrieval is None:
-            raise InputError(f"recipe {recipe.recipe.name!r} has no retrieval planner")
-        state = problem.initial
-        motion = retrieval.plan(state, np.random.default_rng(0), ignore_movables=True).motion
-        if motion is None:
-            return None
-        region = retrieval.swept_region(state, motion)
-        objects = problem.scene.objects
-        return sum(
-            region.overlaps(objects[i].shape, state.object_poses[i])
-            for i in problem.scene.movable_indices
-        )
-
-    return classify

@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 import typer
 
-from mamo_core.cli import compare, plan, plugins, problem, schema, verify, warmup
+from mamo_core.cli import compare, plan, plugins, problem, schema, study, verify, warmup
 from mamo_core.errors import MamoError
 
 INTERNAL_ERROR = 1
@@ -38,6 +38,7 @@ app.command("plan")(plan.plan)
 app.command("verify")(verify.verify)
 app.command("compare")(compare.compare)
 app.add_typer(problem.app, name="problem")
+app.add_typer(study.app, name="study")
 app.add_typer(plugins.app, name="plugins")
 app.command("schema")(schema.schema)
 app.command("warmup")(warmup.warmup)

@@ -16,8 +16,8 @@ from mamo_core.interfaces.search_strategy import ProgressCallback
 from mamo_core.plan_file import PlanDocument, write_plan
 from mamo_core.plugins import discover
 from mamo_core.problems import load_problem
-from mamo_core.recipe_sets import apply_sets, override
-from mamo_core.recipes import LoadedRecipe, find_recipe, load_recipe
+from mamo_core.recipe_sets import chosen_recipe
+from mamo_core.recipes import LoadedRecipe
 from mamo_core.types.problem import Problem
 from mamo_core.types.solution import Plan
 from mamo_core.warmup import load_kernels
@@ -60,16 +60,6 @@ def run_plan(order: PlanOrder, *, as_json: bool) -> int:
     _write(order, problem, recipe, report)
     print_report(report, order.output, order.png, as_json=as_json)
     return report.exit_code
-
-
-def chosen_recipe(
-    planner: str, backend: str | None = None, settings: tuple[str, ...] = ()
-) -> LoadedRecipe:
-    """The recipe with what the command line changes; ``--set`` comes after ``--backend``."""
-    located = find_recipe(planner)
-    if backend is not None and isinstance(located.data, dict):
-        located = override(located, ["backend"], backend, "--backend")
-    return load_recipe(apply_sets(located, settings))
 
 
 def _solve(planner: Planner, order: PlanOrder, tell: ProgressCallback) -> PlanReport:

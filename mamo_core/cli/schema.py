@@ -14,6 +14,7 @@ class Kind(StrEnum):
     RECIPE = "recipe"
     PROBLEM = "problem"
     PLAN = "plan"
+    STUDY = "study"
 
 
 def schema(
@@ -34,6 +35,10 @@ def _schema(kind: Kind) -> dict[str, Any]:
         from mamo_core.plan_schema import PlanFile
 
         return PlanFile.model_json_schema()
+    if kind is Kind.STUDY:
+        from mamo_core.study.schema import StudyFile
+
+        return StudyFile.model_json_schema()
     from mamo_core.recipes import Recipe
 
     return Recipe.model_json_schema()

@@ -13,11 +13,16 @@ from mamo_core.types.region import SweptRegion
 
 @dataclass(frozen=True, eq=False)
 class HeldObject:
-    """An object fixed to the tool at ``T_tool_object`` (4, 4)."""
+    """An object fixed to the tool at ``T_tool_object`` (4, 4).
+
+    ``up``: unit vector (3,) in the tool frame that points up while the object stands as it was
+    taken, for checkers that keep it upright; None: the tool's z axis.
+    """
 
     name: str
     shape: Shape
     T_tool_object: Array
+    up: Array | None = None
 
 
 class CollisionWorld(ABC):

@@ -1,124 +1,36 @@
-"""Side grasps: the tool's x axis horizontal, the fingers left and right of the object."""
+"""Grasps of a target that the problem does not list itself."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-
-import numpy as np
-
-from mamo_core.errors import InputError, suggestion
-from mamo_core.types.geometry import Box, Cylinder, make_pose
+from mamo_core.robots.grasps import (
+    HANDS,
+    HEIGHTS,
+    LEAST_CLEARANCE,
+    TOP_GAP,
+    Hand,
+    dipped_grasps,
+    hand_of,
+    side_grasps,
+)
 from mamo_core.types.problem import Grasp
 from mamo_core.types.scene import SceneObject
 
+__all__ = ["HANDS", "HEIGHTS", "LEAST_CLEARANCE", "Hand", "default_grasps", "hand_of"]
 
-@dataclass(frozen=True)
-class Hand:
-    """``opening``: widest gap between the fingers, m. ``depth``: the farthest the tool goes past
-    an object's near face, m; beyond it the open fingers narrow, or the palm begins. ``clearance``:
-    how much wider than an object the fingers open, m."""
-
-    opening: float
-    depth: float
-    clearance: float
-
-
-HANDS = {"pr2_right_arm": Hand(0.0920, 0.05, 0.01), "panda": Hand(0.0799, 0.035, 0.015)}
-"""By robot, as measured on the canonical arm models; the palm's planning spheres leave less."""
-
-LEAST_CLEARANCE = 0.002
-"""Faces that would leave less between the open fingers are not grasped, m."""
-
-TOOL_PAST_CENTER = 0.025
-"""The author's tool point lies this far past the object's centre, m."""
-
-APPROACH = 0.10
-"""Straight distance before the grasp, m."""
-
-PREGRASP_CLEARANCE = 0.075
-"""The author's distance from the near face to the tool before the approach, m."""
-
-HEIGHTS = (0.09, 0.12, 0.065, 0.15)
-"""Tool heights above the object's bottom, m. Lower ones, as the author's U(0.025, 0.075), leave no
-room for the forearm between the hand and the shelf's front edge."""
-
-TOP_GAP = 0.02
-"""The tool stays this far below an object's top, m."""
-
-CYLINDER_YAWS = 16
-
-
-def hand_of(robot: str) -> Hand:
-    """The hand of a known robot.
-
-    Raises:
-        InputError: default grasps are not known for this robot.
-    """
-    if robot not in HANDS:
-        raise InputError(
-            f"robot {robot!r}: no default grasps for it{suggestion(robot, HANDS)}; "
-            "list the grasps in the problem instead of 'auto'"
-        )
-    return HANDS[robot]
+MORE_HEIGHTS = (0.18, 0.2, 0.105, 0.135, 0.05)
+"""Tool heights above the bottom for places where the usual ones do not work, m."""
 
 
 def default_grasps(target: SceneObject, hand: Hand, *, first_yaw: float = 0.0) -> tuple[Grasp, ...]:
-    """Side grasps of an upright ``target``; empty if no face fits between the fingers.
+    """Grasps of an upright ``target``, those that work most often first.
 
-    Boxes are held across each face that is narrow enough, cylinders from 16 sides. Yaws are in
-    the object's frame; those nearest ``first_yaw`` (rad) come first, and for each yaw the heights
-    in a fixed order. The fingers open wider than the object as far as they can; whether they clear
-    the object then is for the planner to check.
+    Side grasps at the usual heights, those nearest ``first_yaw`` (rad) first; then at other
+    heights; then from above with the hand dipped.
     """
-    return tuple(
-        _grasp(target, hand, yaw, depth, height, min(width + hand.clearance, hand.opening))
-        for yaw, depth, width in _sides(target, first_yaw)
-        if width + LEAST_CLEARANCE <= hand.opening
-        for height in _heights(target.shape.height)
-    )
-
-
-def _sides(target: SceneObject, first_yaw: float) -> Iterator[tuple[float, float, float]]:
-    """Approach yaw, half depth along it and width across it."""
     shape = target.shape
-    if isinstance(shape, Cylinder):
-        for k in _alternating(CYLINDER_YAWS):
-            yield first_yaw + k * 2.0 * np.pi / CYLINDER_YAWS, shape.radius, 2.0 * shape.radius
-        return
-    yield from sorted(_faces(shape), key=lambda face: _angle(face[0], first_yaw))
-
-
-def _faces(shape: Box) -> Iterator[tuple[float, float, float]]:
-    length, width = float(shape.size[0]), float(shape.size[1])
-    yield 0.0, length / 2.0, width
-    yield np.pi / 2.0, width / 2.0, length
-    yield np.pi, length / 2.0, width
-    yield -np.pi / 2.0, width / 2.0, length
-
-
-def _alternating(count: int) -> Iterator[int]:
-    """0, 1, -1, 2, -2, ...: ``count`` turns, the smallest first."""
-    for k in range(count):
-        yield (k + 1) // 2 * (1 if k % 2 else -1)
-
-
-def _angle(a: float, b: float) -> float:
-    """Angle between two headings, rounded so that ties keep their order on every machine."""
-    return round(abs(float(np.angle(np.exp(1j * (a - b))))), 6)
-
-
-def _heights(height: float) -> tuple[float, ...]:
-    """Tool heights above the bottom; a low object is held at half its height."""
-    fitting = tuple(h for h in HEIGHTS if h <= height - TOP_GAP)
-    return fitting or (height / 2.0,)
-
-
-def _grasp(
-    target: SceneObject, hand: Hand, yaw: float, half_depth: float, height: float, opening: float
-) -> Grasp:
-    along = min(TOOL_PAST_CENTER, hand.depth - half_depth)
-    position = [along * np.cos(yaw), along * np.sin(yaw), height - target.shape.height / 2.0]
-    # Far enough back for the fingers to clear the object before they come in.
-    approach = max(APPROACH, along + half_depth + PREGRASP_CLEARANCE)
-    return Grasp(make_pose(position, yaw), approach, opening)
+    others = tuple(h for h in MORE_HEIGHTS if h <= shape.height - TOP_GAP)
+    return (
+        *side_grasps(shape, hand, first_yaw=first_yaw),
+        *(side_grasps(shape, hand, first_yaw=first_yaw, heights=others) if others else ()),
+        *dipped_grasps(shape, hand, first_yaw=first_yaw),
+    )

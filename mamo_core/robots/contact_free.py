@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from mamo_core.robots.exact_collision import ExactChecker, ExactWorld
+from mamo_core.robots.exact_collision import ExactChecker
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.timing import interpolated
 from mamo_core.types.motion import MotionSegment
@@ -33,14 +33,10 @@ def check_meshes(
         for width in {before, segment.opening} if segment.contact_free else ():
             ignore = [segment.held] if segment.held is not None else []
             world = checker.world(state.object_poses, opening=width, ignore=ignore)
-            touched = _first_touched(world, segment)
+            rows = interpolated(segment.trajectory.positions, _MESH_STEP)
+            touched = world.first_touched(rows)
             if touched is not None:
                 failures.append(f"{segment.kind}: the arm's mesh touches {touched}")
                 break
         before = segment.opening
     return failures
-
-
-def _first_touched(world: ExactWorld, segment: MotionSegment) -> str | None:
-    rows = interpolated(segment.trajectory.positions, _MESH_STEP)
-    return next((name for name in map(world.touching, rows) if name is not None), None)

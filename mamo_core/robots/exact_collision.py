@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld, HeldObject
-from mamo_core.robots.kinematics import link_transforms
+from mamo_core.robots.kinematics import link_transforms_along
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.timing import interpolated
 from mamo_core.types.geometry import Array, BoolArray, Box, Shape, matrix_from_pose
@@ -20,38 +21,53 @@ _EDGE_STEP = 0.02
 """Edges are checked at least this often, rad of the fastest joint."""
 
 
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """Something that moves with link ``number``: its geometry and box ``lower``, ``upper`` (3,).
+
+    ``T_link_piece`` (4, 4) places the geometry's frame.
+    """
+
+    number: int
+    geometry: Any
+    lower: Array
+    upper: Array
+    T_link_piece: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Obstacle:
+    """``name`` and an fcl object, with its box ``lower``, ``upper`` (3,) in the world."""
+
+    name: str
+    item: Any
+    lower: Array
+    upper: Array
+
+
 class ExactWorld(CollisionWorld):
-    """Meshes of the arm against primitives. Slow; the authority for final paths."""
+    """Meshes of the arm against primitives. Slow; the authority for final paths.
+
+    Pairs whose axis-aligned boxes are apart cannot touch and are not looked at.
+    """
 
     def __init__(
         self,
         arm: ArmModel,
         T_world_base: Array,
         opening: float,
-        obstacles: list[tuple[str, Any, Any]],
-        links: list[tuple[int, Any]],
-        held: HeldObject | None,
+        obstacles: list[_Obstacle],
+        pieces: list[_Piece],
     ) -> None:
-        import fcl
-
-        self._fcl, self._arm, self._opening, self._held = fcl, arm, opening, held
-        self._T_world_base = T_world_base
-        self._obstacles = fcl.DynamicAABBTreeCollisionManager()
-        self._obstacles.registerObjects([fcl.CollisionObject(g, T) for _, g, T in obstacles])
-        self._obstacles.setup()
-        self._names = {id(geometry): name for name, geometry, _ in obstacles}
-        self._geometries = [geometry for _, geometry, _ in obstacles]
-        self._links = links
-        moving = [item for _, item in links]
-        if held is not None:
-            self._held_item = fcl.CollisionObject(_geometry(fcl, held.shape))
-            moving = [*moving, self._held_item]
-        self._moving = fcl.DynamicAABBTreeCollisionManager()
-        self._moving.registerObjects(moving)
-        self._moving.setup()
+        self._arm, self._opening, self._T_world_base = arm, opening, T_world_base
+        self._obstacles, self._pieces = obstacles, pieces
+        self._lower = np.array([obstacle.lower for obstacle in obstacles]).reshape(-1, 3)
+        self._upper = np.array([obstacle.upper for obstacle in obstacles]).reshape(-1, 3)
 
     def free(self, configurations: Array) -> BoolArray:
-        return np.array([self.touching(q) is None for q in np.atleast_2d(configurations)])
+        rows = np.atleast_2d(configurations)
+        touched = {row for row, _ in self._touching(rows)}
+        return np.array([row not in touched for row in range(len(rows))])
 
     def edges_free(self, starts: Array, ends: Array) -> BoolArray:
         return np.array(
@@ -61,36 +77,51 @@ class ExactWorld(CollisionWorld):
             ]
         )
 
-    def touching(self, configuration: Array) -> str | None:
-        """Name of something the arm (or the held object) touches at ``configuration`` (dof,)."""
-        fcl = self._fcl
-        transforms = link_transforms(self._arm, configuration, self._opening)
-        for number, item in self._links:
-            item.setTransform(_fcl_transform(fcl, self._T_world_base @ transforms[number]))
-        if self._held is not None:
-            T_tool = self._T_world_base @ transforms[self._arm.tool_link] @ self._arm.T_link_tool
-            T = T_tool @ self._held.T_tool_object
-            self._held_item.setTransform(_fcl_transform(fcl, T))
-        self._moving.update()
-        data = fcl.CollisionData()
-        self._moving.collide(self._obstacles, data, fcl.defaultCollisionCallback)
-        if not data.result.is_collision:
-            return None
-        contact = data.result.contacts[0] if data.result.contacts else None
-        for geometry in (contact.o1, contact.o2) if contact is not None else ():
-            if id(geometry) in self._names:
-                return self._names[id(geometry)]
-        return "something"
+    def first_touched(self, configurations: Array) -> str | None:
+        """Name of something the arm (or the held object) touches at configurations (k, dof)."""
+        return next((name for _, name in self._touching(np.atleast_2d(configurations))), None)
+
+    def _touching(self, configurations: Array) -> Iterator[tuple[int, str]]:
+        """Numbers of configurations that touch something, and what; the first of each."""
+        import fcl
+
+        links = link_transforms_along(self._arm, configurations, self._opening)
+        T_pieces = np.array([links[p.number] @ p.T_link_piece for p in self._pieces])
+        T_world_pieces = self._T_world_base @ T_pieces
+        close = self._close(T_world_pieces)
+        for row in np.flatnonzero(close.any(axis=(0, 2))):
+            for k, j in np.argwhere(close[:, row]):
+                T, obstacle = T_world_pieces[k, row], self._obstacles[j]
+                piece = fcl.CollisionObject(self._pieces[k].geometry, _fcl_transform(fcl, T))
+                if fcl.collide(piece, obstacle.item):
+                    yield int(row), obstacle.name
+                    break
+
+    def _close(self, T_world_pieces: Array) -> BoolArray:
+        """Whether the boxes of pieces and obstacles overlap: (pieces, k, obstacles)."""
+        lower = np.array([piece.lower for piece in self._pieces])[:, None, :]
+        upper = np.array([piece.upper for piece in self._pieces])[:, None, :]
+        centres = np.einsum("pkij,pkj->pki", T_world_pieces[..., :3, :3], (lower + upper) / 2.0)
+        centres = centres + T_world_pieces[..., :3, 3]
+        halves = np.einsum(
+            "pkij,pkj->pki", np.abs(T_world_pieces[..., :3, :3]), (upper - lower) / 2.0
+        )
+        below = (centres - halves)[:, :, None, :] <= self._upper
+        above = (centres + halves)[:, :, None, :] >= self._lower
+        overlap: BoolArray = (below & above).all(axis=-1)
+        return overlap
 
 
 class ExactChecker(CollisionChecker):
-    """Loads the meshes once; worlds share them, so one world at a time is checked."""
+    """Loads the meshes once; worlds share them."""
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:
         self._scene, self._arm = scene, arm
         self._T_world_base = matrix_from_pose(scene.T_world_base)
-        self._meshes = [
-            (number, _mesh(path)) for number, link in enumerate(arm.links) for path in link.meshes
+        self._links = [
+            _Piece(number, *_mesh(path), np.eye(4))
+            for number, link in enumerate(arm.links)
+            for path in link.meshes
         ]
 
     def world(
@@ -102,8 +133,6 @@ class ExactChecker(CollisionChecker):
         held: HeldObject | None = None,
         margin: float = 0.0,
     ) -> ExactWorld:
-        import fcl
-
         if margin > 0.0:
             raise ValueError(f"margin: {margin}, the exact checker keeps none (expected 0)")
         bodies = [(f.name, f.shape, f.pose) for f in self._scene.fixtures]
@@ -111,24 +140,42 @@ class ExactChecker(CollisionChecker):
             (o.name, o.shape, pose)
             for o, pose in zip(self._scene.objects, object_poses, strict=True)
         ]
-        obstacles = [
-            (name, _geometry(fcl, shape), _fcl_pose(fcl, pose))
-            for name, shape, pose in bodies
-            if name not in ignore
-        ]
-        links = [(number, fcl.CollisionObject(mesh)) for number, mesh in self._meshes]
-        return ExactWorld(self._arm, self._T_world_base, opening, obstacles, links, held)
+        obstacles = [_obstacle(*body) for body in bodies if body[0] not in ignore]
+        pieces = self._links if held is None else [*self._links, self._held(held)]
+        return ExactWorld(self._arm, self._T_world_base, opening, obstacles, pieces)
+
+    def _held(self, held: HeldObject) -> _Piece:
+        T = self._arm.T_link_tool @ held.T_tool_object
+        half = _half_size(held.shape)
+        return _Piece(self._arm.tool_link, _geometry(held.shape), -half, half, T)
 
 
-def _geometry(fcl: Any, shape: Shape) -> Any:
+def _obstacle(name: str, shape: Shape, pose: Array) -> _Obstacle:
+    import fcl
+
+    T = matrix_from_pose(pose)
+    reach = np.abs(T[:3, :3]) @ _half_size(shape)
+    item = fcl.CollisionObject(_geometry(shape), _fcl_transform(fcl, T))
+    return _Obstacle(name, item, T[:3, 3] - reach, T[:3, 3] + reach)
+
+
+def _half_size(shape: Shape) -> Array:
+    if isinstance(shape, Box):
+        return shape.size / 2.0
+    return np.array([shape.radius, shape.radius, shape.height / 2.0])
+
+
+def _geometry(shape: Shape) -> Any:
+    import fcl
+
     if isinstance(shape, Box):
         return fcl.Box(*shape.size)
     return fcl.Cylinder(shape.radius, shape.height)
 
 
 @cache
-def _mesh(path: Path) -> Any:
-    """The mesh as a tree; built once, it never changes."""
+def _mesh(path: Path) -> tuple[Any, Array, Array]:
+    """The mesh as a tree, built once as it never changes, and its box."""
     import fcl
     import trimesh
 
@@ -137,12 +184,9 @@ def _mesh(path: Path) -> Any:
     model.beginModel(len(mesh.vertices), len(mesh.faces))
     model.addSubModel(mesh.vertices, mesh.faces)
     model.endModel()
-    return model
+    vertices = np.asarray(mesh.vertices)
+    return model, vertices.min(axis=0), vertices.max(axis=0)
 
 
 def _fcl_transform(fcl: Any, T: Array) -> Any:
     return fcl.Transform(np.ascontiguousarray(T[:3, :3]), np.ascontiguousarray(T[:3, 3]))
-
-
-def _fcl_pose(fcl: Any, pose: Array) -> Any:
-    return _fcl_transform(fcl, matrix_from_pose(pose))

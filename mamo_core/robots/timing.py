@@ -22,11 +22,13 @@ def time_path(
     scale: float,
     tool_positions: Array | None = None,
     tool_speed: float = np.inf,
+    corner_jump: float = _CORNER_JUMP,
 ) -> Trajectory:
     """Follow ``path`` (k, dof) as fast as ``scale`` times the limits (dof,) allow.
 
     With ``tool_positions`` (k, 3) the tool stays below ``tool_speed`` m/s, too. Speed builds up and
-    falls within 0.2 s, and at corners no joint's speed jumps by more than 0.5 rad/s.
+    falls within 0.2 s, and at corners no joint's speed jumps by more than about ``corner_jump``
+    rad/s.
     """
     steps = np.abs(np.diff(path, axis=0))
     durations = (steps / (scale * velocity_limits)).max(axis=1, initial=0.0)
@@ -40,7 +42,7 @@ def time_path(
     progress = np.concatenate([[0.0], np.cumsum(durations[moving])])
     # Progress is time at full speed; the grid holds every corner.
     grid = np.concatenate([*(_cut(a, b) for a, b in pairwise(progress)), progress[-1:]])
-    rates = np.minimum(1.0, _corner_rates(points, progress, grid))
+    rates = np.minimum(1.0, _corner_rates(points, progress, grid, corner_jump))
     positions = np.stack([np.interp(grid, progress, column) for column in points.T], axis=1)
     return Trajectory(_times(grid, rates), positions)
 
@@ -57,13 +59,13 @@ def _cut(start: float, end: float) -> Array:
     return grid[np.concatenate([[True], np.diff(grid) > 1e-5 * (end - start)])]
 
 
-def _corner_rates(points: Array, progress: Array, grid: Array) -> Array:
+def _corner_rates(points: Array, progress: Array, grid: Array, corner_jump: float) -> Array:
     """Share of full speed allowed at each grid value: low at corners, 0 at both ends."""
     velocities = np.diff(points, axis=0) / np.diff(progress)[:, None]
     jumps = np.abs(np.diff(velocities, axis=0)).max(axis=1, initial=0.0)
     rates = np.full(grid.size, np.inf)
     corners = np.searchsorted(grid, progress[1:-1])
-    rates[corners] = _CORNER_JUMP / np.maximum(jumps, 1e-9)
+    rates[corners] = corner_jump / np.maximum(jumps, 1e-9)
     rates[[0, -1]] = 0.0
     return rates
 

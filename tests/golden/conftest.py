@@ -1,12 +1,15 @@
-"""The greedy search among fakes: a plan takes milliseconds, and every call is counted."""
+"""Searches among fakes: a plan takes milliseconds, and every call is counted."""
 
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mamo_planners.options import GreedyOptions
 from mamo_planners.search.execution import Engine, Execution
 from mamo_planners.search.greedy import GreedySearch
+from mamo_planners.search.options import BestFirstOptions, DepthFirstOptions, GreedyOptions
+from mamo_planners.search.orders import DepthFirst, order_of
+from mamo_planners.search.rearrangement import RearrangementSearch
 from mamo_planners.search.run import SearchParts
 
 from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus
@@ -69,11 +72,36 @@ class StraightArm(ArmPlanner):
         return ArmPlan(ArmPlanStatus.SOLVED, np.stack([start, goals[0]]), 0, 1)
 
 
+def greedy(parts, options):
+    return GreedySearch(parts, GreedyOptions(**options))
+
+
+def depth_first(parts, options):
+    chosen = DepthFirstOptions(**{"regions": 2, **options})
+    return RearrangementSearch(parts, partial(DepthFirst, clearer=chosen.clearer), chosen)
+
+
+def best_first(parts, options):
+    chosen = BestFirstOptions(**{"regions": 2, **options})
+    return RearrangementSearch(parts, order_of(chosen), chosen)
+
+
+KINDS = {"greedy": greedy, "depth_first": depth_first, "best_first": best_first}
+
+
 class Search:
-    """A greedy search for a tiny scene, its parts at hand."""
+    """A search for a tiny scene, its parts at hand."""
 
     def __init__(
-        self, problem, actions=None, verifier=None, model=None, others=(), retrieval=None, **options
+        self,
+        problem,
+        actions=None,
+        verifier=None,
+        model=None,
+        others=(),
+        retrieval=None,
+        kind="greedy",
+        **options,
     ):
         self.problem, self.others = problem, others
         self.model = model or QuasiStaticModel(
@@ -86,11 +114,14 @@ class Search:
             problem,
             self.retrieval,
             self.mapf,
-            tuple(actions or [StraightPush(problem)]),
+            tuple(
+                (f"push{n}" if n else "push", a)
+                for n, a in enumerate(actions or [StraightPush(problem)])
+            ),
             self._execution,
             verifier or self.replay,
         )
-        self.search = GreedySearch(parts, GreedyOptions(**options))
+        self.search = KINDS[kind](parts, options)
 
     def _execution(self, statistics, budget):
         arm = SimpleNamespace(gripper=SimpleNamespace(closed=0.0), velocity=np.ones(4))

@@ -102,6 +102,15 @@ def test_speed_builds_up_steadily(path):
     assert (np.abs(np.diff(share)) <= np.diff(middle) / 0.2 + 1e-6).all()
 
 
+def test_corners_can_be_gentler():
+    bent = np.array([[0.0, 0, 0], [0.5, 0.3, 0], [0.0, 0.6, 0.2]])
+    for corner_jump in (0.45, 0.1):
+        result = time_path(bent, LIMITS, scale=SCALE, corner_jump=corner_jump)
+        speeds = np.diff(result.positions, axis=0) / np.diff(result.times)[:, None]
+        corner = int(np.argmin(np.abs(result.positions - bent[1]).max(axis=1)))
+        assert np.abs(speeds[corner] - speeds[corner - 1]).max() <= corner_jump + 0.1
+
+
 def test_a_corner_takes_time():
     straight = np.array([[0.0, 0, 0], [0.5, 0, 0], [1.0, 0, 0]])
     bent = np.array([[0.0, 0, 0], [0.5, 0, 0], [0.0, 0, 0]])

@@ -41,7 +41,8 @@ class SphereArrays(NamedTuple):
 
     ``spheres`` (s, 4), ``clusters`` (c, 4), ``links`` (dof, 4) in link frames; sphere k of cluster
     c: ``cluster_start[c] <= k < cluster_start[c + 1]``; the same for ``link_start``.
-    ``min_tool_up``: smallest allowed cosine of the angle between the tool's z axis and up.
+    ``up`` (3,): unit vector in the last link that should point up; ``min_up``: smallest allowed
+    cosine of the angle between them.
     """
 
     spheres: Array
@@ -49,7 +50,8 @@ class SphereArrays(NamedTuple):
     cluster_start: IntArray
     links: Array
     link_start: IntArray
-    min_tool_up: float
+    up: Array
+    min_up: float
 
 
 class WorldArrays(NamedTuple):
@@ -126,6 +128,7 @@ def sphere_arrays(arm: ArmModel, opening: float) -> SphereArrays:
         np.cumsum([0, *(len(cluster) for cluster in clusters)], dtype=np.int64),
         np.array([_bounding(np.vstack(group)) if group else np.zeros(4) for group in members]),
         np.cumsum([0, *(len(group) for group in members)], dtype=np.int64),
+        np.array(arm.T_link_tool[:3, 2]),
         -1.0,
     )
 
@@ -149,11 +152,12 @@ def held_cover(shape: Shape) -> Cover:
 
 
 def with_held(
-    bare: SphereArrays, cover: Cover, T_link_object: Array, max_tilt: float
+    bare: SphereArrays, cover: Cover, T_link_object: Array, up: Array, max_tilt: float
 ) -> SphereArrays:
     """``bare`` with a held object at ``T_link_object`` (4, 4) in the last link.
 
-    ``max_tilt``: largest angle (rad) between the tool's z axis and up while it holds.
+    ``up`` (3,): what points up in the last link while the object stands as it was taken;
+    ``max_tilt``: its largest angle to the vertical, rad.
     """
     clusters = _moved(cover.clusters, T_link_object)
     links = bare.links.copy()
@@ -166,6 +170,7 @@ def with_held(
         np.concatenate([bare.cluster_start, bare.cluster_start[-1] + np.cumsum(cover.sizes)]),
         links,
         link_start,
+        up,
         float(np.cos(max_tilt)),
     )
 

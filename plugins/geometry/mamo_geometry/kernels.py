@@ -172,13 +172,9 @@ def is_free(
     """Whether the arm at ``q`` (dof,) is clear; ``R``, ``p``, ``near`` are scratch space."""
     link_frames(chain, q, R, p)
     last = q.shape[0] - 1
-    if s.min_tool_up > -1.0:
-        up = (
-            R[last, 2, 0] * chain.tool[0, 2]
-            + R[last, 2, 1] * chain.tool[1, 2]
-            + R[last, 2, 2] * chain.tool[2, 2]
-        )
-        if up < s.min_tool_up:
+    if s.min_up > -1.0:
+        up = R[last, 2, 0] * s.up[0] + R[last, 2, 1] * s.up[1] + R[last, 2, 2] * s.up[2]
+        if up < s.min_up:
             return False
     # The hand is the likeliest to touch something: from the last link to the first.
     for back in range(q.shape[0] - w.active_from):

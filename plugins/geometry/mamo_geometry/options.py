@@ -21,7 +21,7 @@ class SphereCheckerOptions(Options):
 
     margin: float = Field(0.002, ge=0.0, le=0.05, description="distance always kept, m")
     max_held_tilt_deg: float = Field(
-        18.0, gt=0.0, le=180.0, description="largest tilt of the tool while it holds, degrees"
+        18.0, gt=0.0, le=180.0, description="largest tilt of a held object, degrees"
     )
     region_resolution: float = Field(0.01, gt=0.001, description="cell size of swept regions, m")
 

@@ -100,7 +100,8 @@ class SphereChecker(CollisionChecker):
             self._covers[held.name] = held_cover(held.shape)
         T_link_object = self._arm.T_link_tool @ held.T_tool_object
         tilt = float(np.radians(self._options.max_held_tilt_deg))
-        return with_held(bare, self._covers[held.name], T_link_object, tilt)
+        up = bare.up if held.up is None else self._arm.T_link_tool[:3, :3] @ held.up
+        return with_held(bare, self._covers[held.name], T_link_object, up, tilt)
 
 
 def _rows(configurations: Array) -> Array:

@@ -31,13 +31,13 @@ def free_slide(
         moved = corners + move
         if (moved.min(axis=0) < lower).any() or (moved.max(axis=0) > upper).any():
             return count
-        if any(_overlap(moved, other) for other in obstacles):
+        if any(overlap(moved, other) for other in obstacles):
             return count
     return len(moves)
 
 
-def _overlap(a: Array, b: Array) -> bool:
-    """Separating axes of two convex polygons."""
+def overlap(a: Array, b: Array) -> bool:
+    """Whether two convex outlines (k, 2) share area (separating axes)."""
     if (a.min(axis=0) > b.max(axis=0)).any() or (b.min(axis=0) > a.max(axis=0)).any():
         return False
     for polygon in (a, b):

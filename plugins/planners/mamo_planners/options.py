@@ -1,4 +1,4 @@
-"""Options of retrieval, actions and searches, apart from the code that uses them."""
+"""Options of retrieval and actions, apart from the code that uses them."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from mamo_core.hookspecs import Options
 class RetrievalOptions(Options):
     """Options of ``grasp_and_extract``."""
 
+    grasps: int = Field(
+        1000, ge=1, description="the problem's grasps are looked at until so many work"
+    )
     branches: int = Field(8, ge=1, description="arm configurations tried per grasp")
     lift: float = Field(0.075, gt=0.0, le=0.3, description="largest lift of the target, m")
     ceiling_gap: float = Field(0.015, gt=0.0, description="distance kept from the ceiling, m")
@@ -39,23 +42,41 @@ class PushOptions(Options):
     shortest: float = Field(0.02, gt=0.0, description="shortest push worth trying, m")
 
 
-class GreedyOptions(Options):
-    """Options of ``greedy`` (M4M)."""
+class PickPlaceOptions(Options):
+    """Options of ``pick_place``."""
 
-    iterate: bool = Field(True, description="solve the MAPF problem again after every valid push")
-    regions: int = Field(
-        4, ge=1, description="retrievals drawn for the NGR; the least occupied one is taken"
+    samples: int = Field(3, ge=1, description="actions proposed per object and goal")
+    grasps: int = Field(16, ge=1, description="grasps per request that reach inverse kinematics")
+    branches: int = Field(4, ge=1, description="arm configurations tried per grasp")
+    places: int = Field(24, ge=1, description="places drawn per request")
+    nearby: float = Field(
+        0.08,
+        ge=0.0,
+        description="how far from the end of its path an object may be put instead, m; thesis: 0",
     )
-    grasp_tries: int = Field(3, ge=1, description="retrievals tried at one state")
-    rounds: int = Field(6, ge=1, description="MAPF calls at one state without a valid push")
-    agnostic: int = Field(
-        8, ge=0, description="goal-agnostic pushes tried per state when guided ones fail"
+    shortest: float = Field(0.02, gt=0.0, description="shortest displacement worth a try, m")
+    draws: int = Field(160, ge=1, description="random positions looked at for these places")
+    drops: int = Field(2, ge=1, description="places per grasp that the carry may end at")
+    spacing: float = Field(0.01, ge=0.0, description="distance of drawn places to others, m")
+    widest_yaw: float = Field(
+        1.8, gt=0.0, description="largest angle between the hand and straight into the shelf, rad"
     )
-    max_actions: int = Field(25, ge=1, description="actions of one attempt")
-    attempts: int = Field(1000, ge=1, description="restarts from the initial scene")
-    hopeless_attempts: int = Field(
-        6, ge=1, description="attempts without any retrieval, movables ignored, before giving up"
+    largest_tilt_deg: float = Field(
+        5.0, gt=0.0, le=25.0, description="objects that lean more are not grasped, degrees"
     )
-    goal_margin: float = Field(0.015, ge=0.0, description="distance of MAPF goals to the NGR, m")
-    mapf_nodes: int = Field(300, ge=1, description="high-level nodes per MAPF call")
-    mapf_expansions: int = Field(60_000, ge=1, description="low-level expansions per MAPF call")
+    squeeze: float = Field(
+        0.004, gt=0.0, description="how much less than the object's width is commanded, m"
+    )
+    lift: float = Field(0.04, gt=0.0, le=0.3, description="largest lift of the object, m")
+    ceiling_gap: float = Field(0.01, gt=0.0, description="distance kept from the ceiling, m")
+    drop_height: float = Field(0.002, ge=0.0, description="fall of the object when let go, m")
+    clearance: float = Field(
+        0.02, ge=0.0, description="distance of the arm to every object at the end, m"
+    )
+    max_checks: int = Field(10_000, ge=1, description="configurations checked per arm path")
+    joint_speed: float = Field(0.5, gt=0.0, le=1.0, description="share of the velocity limits")
+    reach_speed: float = Field(0.25, gt=0.0, description="tool speed to and from the object, m/s")
+    lift_speed: float = Field(0.15, gt=0.0, description="tool speed up and down, m/s")
+    carry_speed: float = Field(0.4, gt=0.0, description="tool speed while carrying, m/s")
+    gripper_time: float = Field(0.5, gt=0.0, description="time to open or close the fingers, s")
+    settle: float = Field(1.0, ge=0.0, description="longest wait for objects to rest, s")

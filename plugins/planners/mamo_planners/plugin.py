@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mamo_core.hookspecs import Component, hookimpl
 from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
-from mamo_planners.options import GreedyOptions, PushOptions, RetrievalOptions
+from mamo_planners.options import PickPlaceOptions, PushOptions, RetrievalOptions
+from mamo_planners.search.options import BestFirstOptions, DepthFirstOptions, GreedyOptions
 
 if TYPE_CHECKING:
     from mamo_core.compose import BuildContext
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
     from mamo_core.types.scene import SceneState
     from mamo_core.types.solution import Budget, Statistics
     from mamo_planners.search.run import SearchParts
+
+_CONTINUED = {"backend": frozenset({"exact_continuation"})}
 
 
 def _retrieval(context: BuildContext, options: RetrievalOptions) -> Any:
@@ -34,6 +38,19 @@ def _push(context: BuildContext, options: PushOptions) -> Any:
     from mamo_planners.actions.push import Push
 
     return Push(
+        context.problem,
+        context.robot,
+        context.part("kinematics"),
+        context.part("collision"),
+        context.part("arm_planner"),
+        options,
+    )
+
+
+def _pick_place(context: BuildContext, options: PickPlaceOptions) -> Any:
+    from mamo_planners.actions.pick_place import PickPlace
+
+    return PickPlace(
         context.problem,
         context.robot,
         context.part("kinematics"),
@@ -70,7 +87,7 @@ def _search_parts(context: BuildContext) -> SearchParts:
         context.problem,
         context.part("retrieval"),
         context.part("mapf"),
-        tuple(generator for _, generator in context.actions),
+        context.actions,
         execution,
         context.part("verifier"),
     )
@@ -82,6 +99,21 @@ def _greedy(context: BuildContext, options: GreedyOptions) -> Any:
     return GreedySearch(_search_parts(context), options)
 
 
+def _depth_first(context: BuildContext, options: DepthFirstOptions) -> Any:
+    from mamo_planners.search.orders import DepthFirst
+    from mamo_planners.search.rearrangement import RearrangementSearch
+
+    make_order = partial(DepthFirst, clearer=options.clearer)
+    return RearrangementSearch(_search_parts(context), make_order, options)
+
+
+def _best_first(context: BuildContext, options: BestFirstOptions) -> Any:
+    from mamo_planners.search.orders import order_of
+    from mamo_planners.search.rearrangement import RearrangementSearch
+
+    return RearrangementSearch(_search_parts(context), order_of(options), options)
+
+
 @hookimpl
 def mamo_retrieval_planners() -> Iterable[Component]:
     """Grasp, lift, extract, home."""
@@ -91,7 +123,7 @@ def mamo_retrieval_planners() -> Iterable[Component]:
             _retrieval,
             RetrievalOptions,
             "side grasps, lift, carry home",
-            requires={"collision": frozenset({"swept_region"})},
+            requires={"collision": frozenset({"hands_free", "swept_region"})},
         ),
     ]
 
@@ -104,7 +136,7 @@ def mamo_mapf_solvers() -> Iterable[Component]:
 
 @hookimpl
 def mamo_actions() -> Iterable[Component]:
-    """Pushes."""
+    """Pushes, and pick and place."""
     return [
         Component(
             "push",
@@ -113,19 +145,40 @@ def mamo_actions() -> Iterable[Component]:
             "straight pushes, thesis 4.4.2 and richer",
             requires={"collision": frozenset({"hands_free"})},
         ),
+        Component(
+            "pick_place",
+            _pick_place,
+            PickPlaceOptions,
+            "grasp, carry without contact, put down, thesis 6.3.1",
+            requires={"collision": frozenset({"hands_free"})},
+        ),
     ]
 
 
 @hookimpl
 def mamo_searches() -> Iterable[Component]:
-    """M4M."""
+    """M4M, E-M4M and I-M4M."""
     return [
         Component(
             "greedy",
             _greedy,
             GreedyOptions,
             "M4M: commit to every valid push (thesis, Algorithm 4)",
-            requires={"backend": frozenset({"exact_continuation"})},
+            requires=_CONTINUED,
+        ),
+        Component(
+            "best_first",
+            _best_first,
+            BestFirstOptions,
+            "E-M4M: the most promising rearrangement first (thesis, Algorithm 5)",
+            requires=_CONTINUED,
+        ),
+        Component(
+            "depth_first",
+            _depth_first,
+            DepthFirstOptions,
+            "I-M4M: the rearrangement with the most actions first, lazily if wanted (thesis 6.3)",
+            requires=_CONTINUED,
         ),
     ]
 

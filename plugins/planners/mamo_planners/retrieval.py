@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +25,7 @@ _GRIPPER_TIME = 0.5
 _LEAST_LIFT = 0.003
 _CANDIDATE_SEED = 0
 _THOROUGH = 6
+_AT_ONCE = 16
 _REACH_STEP = 0.01
 _APPROACH_SHARES = (1.0, 0.65)
 _TOOL_SPEED_STEP = 0.1
@@ -106,42 +107,99 @@ class GraspAndExtract(RetrievalPlanner):
     def _held_of(self, motion: Motion) -> HeldObject:
         """The target in the tool, from where the tool is when it is attached."""
         first = next(s for s in motion.segments if s.held is not None)
-        T_world_tool = self._kinematics.forward(first.trajectory.positions[0])
-        return HeldObject(
-            self._target.name, self._target.shape, invert(T_world_tool) @ self._T_world_target()
-        )
+        return self._held_at(self._kinematics.forward(first.trajectory.positions[0]))
 
     def _T_world_target(self) -> Array:
         index = self._problem.scene.target_index
         return matrix_from_pose(self._problem.initial.object_poses[index])
 
     def _find_candidates(self, branches: int) -> list[_Candidate]:
+        """Grasps are looked at in the problem's order until enough of them work."""
         self._static_causes.clear()
         rng = np.random.default_rng(_CANDIDATE_SEED)
-        poses = self._problem.initial.object_poses
-        worlds: dict[float, CollisionWorld] = {}
-        found = []
-        for number, grasp in enumerate(self._problem.grasps):
-            if grasp.opening > self._arm.gripper.max_opening:
+        found: list[_Candidate] = []
+        for start in range(0, len(self._problem.grasps), _AT_ONCE):
+            numbers = range(start, min(start + _AT_ONCE, len(self._problem.grasps)))
+            for opening, some in self._by_opening(numbers).items():
+                world = self._collision.world(
+                    self._problem.initial.object_poses,
+                    opening=opening,
+                    ignore=[self._target.name, *self._movables],
+                )
+                for number, T_grasp in self._screened(some, world):
+                    found += self._candidates_of(number, T_grasp, world, branches, rng)
+            if len({candidate.number for candidate in found}) >= self._options.grasps:
+                break
+        return found
+
+    def _candidates_of(
+        self,
+        number: int,
+        T_grasp: Array,
+        world: CollisionWorld,
+        branches: int,
+        rng: np.random.Generator,
+    ) -> list[_Candidate]:
+        """The ways in and up for one grasp."""
+        solutions = self._kinematics.inverse(T_grasp, rng, count=branches)
+        if not len(solutions):
+            self._static_causes["grasp_no_ik"] += 1
+            return []
+        free = world.free(solutions)
+        self._static_causes["grasp_in_collision"] += int((~free).sum())
+        ways = [(q, self._back_path(q, number, world)) for q in solutions[free]]
+        open_ways = [(q, back) for q, back in ways if back is not None]
+        self._static_causes["reach_blocked"] += len(ways) - len(open_ways)
+        if not open_ways:
+            return []
+        held = self._held_at(T_grasp)
+        carried = self._carried(number, held)
+        if not carried.free(self._problem.home)[0]:
+            self._static_causes["home_blocked"] += 1
+            return []
+        lifted = [(back, self._lift_path(q, carried)) for q, back in open_ways]
+        grasp = self._problem.grasps[number]
+        found = [
+            _Candidate(number, grasp, back[::-1], lift, held)
+            for back, lift in lifted
+            if lift is not None
+        ]
+        self._static_causes["lift_blocked"] += len(lifted) - len(found)
+        return found
+
+    def _carried(self, number: int, held: HeldObject) -> CollisionWorld:
+        """Fixtures and immovables around the arm that holds the target."""
+        return self._collision.world(
+            self._problem.initial.object_poses,
+            opening=self._problem.grasps[number].opening,
+            ignore=[self._target.name, *self._movables],
+            held=held,
+        )
+
+    def _by_opening(self, numbers: Iterable[int]) -> dict[float, list[int]]:
+        """Those of the grasps the gripper is wide enough for."""
+        fitting: dict[float, list[int]] = {}
+        for number in numbers:
+            opening = self._problem.grasps[number].opening
+            if opening > self._arm.gripper.max_opening:
                 self._static_causes["gripper_too_small"] += 1
-                continue
-            T_grasp = self._T_world_target() @ matrix_from_pose(grasp.T_object_tool)
+            else:
+                fitting.setdefault(opening, []).append(number)
+        return fitting
+
+    def _screened(self, numbers: list[int], world: CollisionWorld) -> Iterator[tuple[int, Array]]:
+        """Grasps with ``T_world_tool`` (4, 4), within reach, where there is room for the hand."""
+        grasps = [self._problem.grasps[number] for number in numbers]
+        tools = self._T_world_target() @ np.array(
+            [matrix_from_pose(g.T_object_tool) for g in grasps]
+        )
+        for number, T_grasp, free in zip(numbers, tools, world.hands_free(tools), strict=True):
             if not self._within_reach(T_grasp):
                 self._static_causes["out_of_reach"] += 1
-                continue
-            solutions = self._kinematics.inverse(T_grasp, rng, count=branches)
-            if not len(solutions):
-                self._static_causes["grasp_no_ik"] += 1
-            if grasp.opening not in worlds:
-                worlds[grasp.opening] = self._collision.world(
-                    poses, opening=grasp.opening, ignore=[self._target.name, *self._movables]
-                )
-            world = worlds[grasp.opening]
-            for q in solutions:
-                candidate = self._candidate(number, grasp, q, poses, world)
-                if candidate is not None:
-                    found.append(candidate)
-        return found
+            elif not free:
+                self._static_causes["hand_blocked"] += 1
+            else:
+                yield number, T_grasp
 
     def _within_reach(self, T_grasp: Array) -> bool:
         """A bound that proves: the links stretched out cannot be longer than their lengths."""
@@ -153,31 +211,14 @@ class GraspAndExtract(RetrievalPlanner):
         length += float(np.linalg.norm(self._arm.T_link_tool[:3, 3]))
         return bool(np.linalg.norm(T_grasp[:3, 3] - root) <= length)
 
-    def _candidate(
-        self, number: int, grasp: Grasp, q: Array, poses: Array, world: CollisionWorld
-    ) -> _Candidate | None:
-        if not world.free(q)[0]:
-            self._static_causes["grasp_in_collision"] += 1
-            return None
-        T = self._kinematics.forward(q)
-        back = self._back_path(q, T, grasp.approach, world)
-        if back is None:
-            self._static_causes["reach_blocked"] += 1
-            return None
-        lift = self._lift_path(q, T)
-        held = HeldObject(self._target.name, self._target.shape, invert(T) @ self._T_world_target())
-        carried = self._collision.world(
-            poses, opening=grasp.opening, ignore=[self._target.name, *self._movables], held=held
-        )
-        if lift is None or not carried.free(lift[-1])[0]:
-            self._static_causes["lift_blocked"] += 1
-            return None
-        return _Candidate(number, grasp, back[::-1], lift, held)
+    def _held_at(self, T_world_tool: Array) -> HeldObject:
+        """The target in the hand, taken where it stands."""
+        T = invert(T_world_tool) @ self._T_world_target()
+        return HeldObject(self._target.name, self._target.shape, T, up=T[:3, 2])
 
-    def _back_path(
-        self, q: Array, T: Array, approach: float, world: CollisionWorld
-    ) -> Array | None:
+    def _back_path(self, q: Array, number: int, world: CollisionWorld) -> Array | None:
         """Straight back from the grasp, by less where the full approach does not fit."""
+        T, approach = self._kinematics.forward(q), self._problem.grasps[number].approach
         for share in _APPROACH_SHARES:
             T_back = T.copy()
             T_back[:3, 3] -= share * approach * T[:3, 0]
@@ -186,8 +227,9 @@ class GraspAndExtract(RetrievalPlanner):
                 return line.path
         return None
 
-    def _lift_path(self, q: Array, T: Array) -> Array | None:
+    def _lift_path(self, q: Array, carried: CollisionWorld) -> Array | None:
         """Straight up by as much as the ceiling leaves, at most the option's lift."""
+        T = self._kinematics.forward(q)
         top = float(self._T_world_target()[2, 3]) + self._target.shape.height / 2.0
         gap = float(self._problem.scene.workspace.upper[2]) - top
         height = min(self._options.lift, max(gap - self._options.ceiling_gap, gap / 2.0))
@@ -196,7 +238,7 @@ class GraspAndExtract(RetrievalPlanner):
             T_up[2, 3] += max(height * share, _LEAST_LIFT)
             line = self._kinematics.follow_line(q, T_up)
             if line.fraction == 1.0:
-                return line.path
+                return line.path if carried.free(line.path[-1])[0] else None
         return None
 
     def _unblocked(self, state: SceneState, candidates: list[_Candidate]) -> list[_Candidate]:

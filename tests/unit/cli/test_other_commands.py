@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from mamo_core.cli.generating import make_classifier
+from mamo_core.classify import make_classifier
 from mamo_core.plugins import discover, make_registry
 from mamo_core.problems import load_problem
 from mamo_core.recipes import find_recipe, load_recipe

@@ -95,10 +95,10 @@ def test_a_held_object_is_added_to_the_hand():
     T = np.eye(4)
     T[:3, 3] = 0.2, 0.0, -0.03
     cover = held_cover(SHAPES[1])
-    loaded = with_held(bare, cover, T, np.radians(18.0))
+    loaded = with_held(bare, cover, T, bare.up, np.radians(18.0))
     check_levels(loaded)
-    assert loaded.min_tool_up == pytest.approx(np.cos(np.radians(18.0)))
-    assert bare.min_tool_up == -1.0
+    assert loaded.min_up == pytest.approx(np.cos(np.radians(18.0)))
+    assert bare.min_up == -1.0
     for link in range(arm.dof - 1):
         assert np.array_equal(of_link(loaded, link), of_link(bare, link))
     last = of_link(loaded, arm.dof - 1)

@@ -1,5 +1,7 @@
 """The sphere checker is conservative: what it calls free is free for the exact meshes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mamo_geometry.options import SphereCheckerOptions
@@ -26,7 +28,7 @@ def test_free_is_never_a_mesh_collision(shelf, arm, checker, exact, configuratio
     free = checker.world(poses, opening=opening).free(configurations)
     assert 400 < free.sum() < 2_600
     authority = exact.world(poses, opening=opening)
-    missed = [q for q in configurations[free] if authority.touching(q) is not None]
+    missed = [q for q in configurations[free] if authority.first_touched(q) is not None]
     assert missed == []
 
 
@@ -54,7 +56,7 @@ def test_the_last_free_configuration_is_no_collision(shelf, arm, checker, exact,
     last = at_the_edge(checker.world(poses, opening=opening), reaching, 3_000, seed=1)
     assert len(last) > 600
     authority = exact.world(poses, opening=opening)
-    assert [q for q in last if authority.touching(q) is not None] == []
+    assert [q for q in last if authority.first_touched(q) is not None] == []
 
 
 def test_it_is_not_too_careful(shelf, checker, exact, reaching):
@@ -89,7 +91,7 @@ def test_free_with_a_held_object_is_never_a_collision(shelf, arm, kinematics, ex
     free = world.free(configurations)
     assert 20 < free.sum() < 1_480
     authority = exact.world(poses, opening=0.085, ignore=[held.name], held=held)
-    assert [q for q in configurations[free] if authority.touching(q) is not None] == []
+    assert [q for q in configurations[free] if authority.first_touched(q) is not None] == []
 
 
 def test_the_held_object_counts(shelf, arm, checker, kinematics, reaching):
@@ -188,14 +190,32 @@ def test_hands_free_is_the_check_of_the_hand_alone(shelf, checker, kinematics, r
     assert arms.sum() > 0.5 * hands.sum()
 
 
+def test_upright_is_as_the_object_was_taken(shelf, arm, checker, kinematics, reaching):
+    """Taken by a dipped hand, the object is upright while the hand is dipped as it was then."""
+    poses = shelf.initial.object_poses + np.array([9.0, 0, 0, 0, 0, 0, 0])
+    boards = [fixture.name for fixture in shelf.scene.fixtures]
+    held = held_target(shelf, kinematics, reaching[0])
+    up = np.array([-np.sin(0.5), 0.0, np.cos(0.5)])
+    dipped = replace(held, up=up)
+    ignore = [held.name, *boards]
+    free = checker.world(poses, opening=0.085, ignore=ignore, held=dipped).free(reaching)
+    limit = np.cos(np.radians(18.0))
+    vertical = np.array([kinematics.forward(q)[2, :3] @ up for q in reaching])
+    assert free.any()
+    assert (vertical[free] >= limit - 1e-9).all()
+    loose = SphereChecker(shelf.scene, arm, SphereCheckerOptions(max_held_tilt_deg=180.0))
+    anyhow = loose.world(poses, opening=0.085, ignore=ignore, held=dipped).free(reaching)
+    assert np.array_equal(free, anyhow & (vertical >= limit))
+
+
 def test_exact_checker_names_what_is_touched(shelf, arm, exact, kinematics):
     item = shelf.scene.objects[shelf.scene.target_index]
     q = arm.home
     T = kinematics.forward(q)
     poses = np.array(shelf.initial.object_poses)
     poses[shelf.scene.target_index] = make_pose(T[:3, 3])
-    assert exact.world(poses, opening=0.0).touching(q) == item.name
-    assert exact.world(poses, opening=0.0, ignore=[item.name]).touching(q) is None
+    assert exact.world(poses, opening=0.0).first_touched(q) == item.name
+    assert exact.world(poses, opening=0.0, ignore=[item.name]).first_touched(q) is None
     with pytest.raises(ValueError, match="margin"):
         exact.world(poses, opening=0.0, margin=0.01)
 
@@ -211,6 +231,9 @@ def test_exact_checker_and_a_held_object(shelf, arm, exact, kinematics):
     poses[other] = make_pose(T_object[:3, 3])
     held = HeldObject(target.name, target.shape, invert(T_tool) @ T_object)
     ignore = [target.name]
-    assert exact.world(poses, opening=0.0, ignore=ignore).touching(arm.home) is None
-    assert exact.world(poses, opening=0.0, ignore=ignore, held=held).touching(arm.home) is not None
+    assert exact.world(poses, opening=0.0, ignore=ignore).first_touched(arm.home) is None
+    assert (
+        exact.world(poses, opening=0.0, ignore=ignore, held=held).first_touched(arm.home)
+        is not None
+    )
     assert matrix_from_pose(poses[other])[2, 3] == pytest.approx(T_object[2, 3])

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import gzip
 import json
-import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from mamo_core.problems.published import scenes_folder
 from mamo_core.types.geometry import Array, Box, Cylinder, Shape, make_pose
 from mamo_core.types.mapf import MAPFAgent, MAPFObstacle, MAPFProblem
 from mamo_core.types.region import SweptRegion
@@ -20,17 +19,10 @@ FLOOR = 0.77
 REGION_RESOLUTION = 0.01
 
 
-def scenes_folder() -> Path | None:
-    """Where the published scenes lie, if they do."""
-    named = os.environ.get("MAMO_SCENES")
-    folder = Path(named) if named else Path(__file__).parents[4] / "shared" / "scenes"
-    return folder if folder.is_dir() else None
-
-
 def load_scenes(movables: int) -> list[dict[str, Any]]:
     """The scenes with that many movables."""
     folder = scenes_folder()
-    if folder is None:
+    if not folder.is_dir():
         pytest.skip("no published scenes: set MAMO_SCENES or provide ../shared/scenes")
     with gzip.open(folder / f"thesis_{movables}_movables.jsonl.gz", "rt") as file:
         return [json.loads(line) for line in file]

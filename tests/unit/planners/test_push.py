@@ -131,7 +131,7 @@ def test_the_approach_is_contact_free(problem, parts, pushes):
     )
     for action in pushes[:4]:
         for q in interpolated(action.motion.segments[0].trajectory.positions, 0.05):
-            assert world.touching(q) is None
+            assert world.first_touched(q) is None
 
 
 def test_the_sweep_touches_nothing_that_is_fixed(problem, parts, pushes):
@@ -141,7 +141,7 @@ def test_the_sweep_touches_nothing_that_is_fixed(problem, parts, pushes):
     )
     for action in pushes[:4]:
         for q in interpolated(action.motion.segments[1].trajectory.positions, 0.05):
-            assert world.touching(q) is None
+            assert world.first_touched(q) is None
 
 
 def test_the_sweep_is_straight_level_and_slow(problem, parts, pushes):

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from mamo_core.problems import generate_shelf, problem_document, save_problems
+from mamo_core.problems.published import scenes_folder
 from mamo_core.types.problem import Problem
 
-REPOSITORY = Path(__file__).resolve().parents[3]
 
-
-@pytest.fixture(scope="session")
-def scenes_folder() -> Path:
+@pytest.fixture(scope="session", name="scenes_folder")
+def _scenes_folder() -> Path:
     """Folder of the published scenes, or a skip that says where it was looked for."""
-    chosen = os.environ.get("MAMO_SCENES")
-    folder = Path(chosen) if chosen else REPOSITORY.parent / "shared" / "scenes"
+    folder = scenes_folder()
     if not (folder / "thesis_5_movables.jsonl.gz").is_file():
         pytest.skip(f"the published scenes are not in {folder} (set MAMO_SCENES)")
     return folder

@@ -70,16 +70,20 @@ def test_heights_stay_below_the_top() -> None:
         found = [round(float(g.T_object_tool[2]) + height / 2, 6) for g in grasps]
         return list(dict.fromkeys(found))
 
-    assert heights(0.30) == list(HEIGHTS)
-    assert heights(0.13) == [h for h in HEIGHTS if h <= 0.11]
+    assert heights(0.30)[: len(HEIGHTS)] == list(HEIGHTS)
+    assert heights(0.13)[:2] == [h for h in HEIGHTS if h <= 0.11]
     assert heights(0.04) == [0.02]
+    for height in (0.30, 0.13):
+        assert max(heights(height)) <= height - 0.02 + 1e-9
 
 
-def test_tool_x_is_horizontal() -> None:
-    for grasp in default_grasps(target(Cylinder(0.03, 0.2)), HAND):
-        T = matrix_from_pose(grasp.T_object_tool)
-        assert T[2, 0] == pytest.approx(0.0)
-        assert T[2, 2] == pytest.approx(1.0)
+def test_the_hand_is_level_first_and_dipped_last() -> None:
+    grasps = default_grasps(target(Cylinder(0.03, 0.2)), HAND)
+    dips = [-np.arcsin(matrix_from_pose(g.T_object_tool)[2, 0]) for g in grasps]
+    level = [dip == pytest.approx(0.0) for dip in dips]
+    assert level == sorted(level, reverse=True)
+    assert {round(float(dip), 3) for dip in dips} == {0.0, 0.25, 0.5}
+    assert all(matrix_from_pose(g.T_object_tool)[2, 2] > 0.8 for g in grasps)
 
 
 def test_fingers_never_open_wider_than_they_can() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -194,6 +194,13 @@ class Execution:
     def _transit(self, path: Array, opening: float) -> MotionSegment:
         timed = time_path(path, self._arm.velocity, scale=_TRANSIT_SPEED)
         return MotionSegment(SegmentKind.TRANSIT, timed, opening, contact_free=True)
+
+    def keeps_clear(self, motion: Motion, state: SceneState, names: Collection[str]) -> bool:
+        """Whether the arm, after its approach, stays away from some objects of ``state``."""
+        sweep = motion.after_transit()
+        others = {o.name for o in self._problem.scene.objects} - set(names)
+        world = self._collision.world(state.object_poses, opening=sweep.opening, ignore=others)
+        return all(world.free(s.trajectory.positions).all() for s in sweep.segments)
 
     def retrieval_holds(self, stand: Stand, motion: Motion) -> bool:
         """Whether the retrieval is valid in the continuous execution, in enough engines."""

@@ -6,17 +6,17 @@ from collections import defaultdict
 
 import numpy as np
 
-from mamo_core.interfaces.action_generator import ActionGenerator, ActionRequest
+from mamo_core.interfaces.action_generator import ActionRequest
 from mamo_core.interfaces.search_strategy import ProgressCallback, SearchStrategy
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import Array
 from mamo_core.types.mapf import GoalPenalty, MAPFBudget
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus
-from mamo_planners.options import GreedyOptions
 from mamo_planners.search.abstraction import occupied
 from mamo_planners.search.execution import Accept
-from mamo_planners.search.run import Paths, RetrievalEffort, SearchParts, SearchRun
+from mamo_planners.search.options import GreedyOptions
+from mamo_planners.search.run import Paths, SearchParts, SearchRun
 
 _FORBIDDEN_RADIUS = 0.03
 
@@ -36,7 +36,7 @@ class GreedySearch(SearchStrategy):
             budget,
             rng,
             progress,
-            RetrievalEffort(options.regions, options.grasp_tries),
+            options.grasp_tries,
             MAPFBudget(options.mapf_nodes, options.mapf_expansions),
             options.goal_margin,
         )
@@ -73,7 +73,7 @@ class _Attempt:
         plan = self._retrieve(None)
         if plan is not None:
             return plan
-        region = self._run.region()
+        region = self._run.region(self._options.regions)
         if region is None:
             self.hopeless = not self._exhausted
             return None
@@ -124,7 +124,7 @@ class _Attempt:
 
     def _try_object(self, region: SweptRegion, name: str, path: Array) -> bool:
         request = ActionRequest(name, path, region)
-        return any(self._try_action(g, request, None) for g in self._run.parts.actions)
+        return any(self._try_action(kind, request, None) for kind, _ in self._run.parts.actions)
 
     def _try_agnostic(self, region: SweptRegion) -> bool:
         """Pushes in random directions that leave less of the NGR occupied."""
@@ -136,14 +136,12 @@ class _Attempt:
             name = inside[int(run.rng.integers(len(inside)))]
             request = ActionRequest(name, None, region)
             accept = run.lessens(region, state)
-            if any(self._try_action(g, request, accept) for g in run.parts.actions):
+            if any(self._try_action(kind, request, accept) for kind, _ in run.parts.actions):
                 return True
         return False
 
-    def _try_action(
-        self, generator: ActionGenerator, request: ActionRequest, accept: Accept | None
-    ) -> bool:
-        found = self._run.realise(self._stand, generator, request, accept)
+    def _try_action(self, kind: str, request: ActionRequest, accept: Accept | None) -> bool:
+        found = self._run.realise(self._stand, kind, request, accept)
         if found is None:
             return False
         action, self._stand = found

@@ -39,7 +39,7 @@ class SearchParts:
     problem: Problem
     retrieval: RetrievalPlanner
     mapf: MAPFSolver
-    actions: tuple[ActionGenerator, ...]
+    actions: tuple[tuple[str, ActionGenerator], ...]
     execution: ExecutionFactory
     verifier: Verifier
 
@@ -50,16 +50,11 @@ class SearchParts:
         return scene.objects[scene.target_index].name
 
 
-@dataclass(frozen=True)
-class RetrievalEffort:
-    """``regions``: retrievals drawn for an NGR; ``grasp_tries``: retrievals tried at one state."""
-
-    regions: int
-    grasp_tries: int
-
-
 class SearchRun:
-    """One call of ``solve``: the parts with its budget, generator and statistics."""
+    """One call of ``solve``: the parts with its budget, generator and statistics.
+
+    ``grasp_tries``: retrievals tried at one state. ``goal_margin``: of MAPF goals to the NGR, m.
+    """
 
     def __init__(
         self,
@@ -67,20 +62,21 @@ class SearchRun:
         budget: Budget,
         rng: np.random.Generator,
         progress: ProgressCallback,
-        effort: RetrievalEffort,
+        grasp_tries: int,
         mapf_budget: MAPFBudget,
         goal_margin: float,
     ) -> None:
         self.parts, self.budget, self.rng, self.progress = parts, budget, rng, progress
         self.statistics = Statistics()
         self.execution: Execution = parts.execution(self.statistics, budget)
-        self._effort, self._mapf_budget, self._goal_margin = effort, mapf_budget, goal_margin
+        self._mapf_budget, self._goal_margin = mapf_budget, goal_margin
+        self._grasp_tries = grasp_tries
 
-    def region(self) -> SweptRegion | None:
-        """The NGR of the retrieval, of a few drawn, whose way is blocked the least."""
+    def region(self, draws: int) -> SweptRegion | None:
+        """The NGR of the retrieval, of some drawn, whose way is blocked the least."""
         best: tuple[tuple[int, float], SweptRegion] | None = None
         problem, retrieval = self.parts.problem, self.parts.retrieval
-        for _ in range(self._effort.regions):
+        for _ in range(draws):
             with self.statistics.timed("retrieval"):
                 found = retrieval.plan(problem.initial, self.rng, ignore_movables=True)
                 if found.motion is None:
@@ -98,7 +94,7 @@ class SearchRun:
     def retrieve(self, stand: Stand, done: Actions, region: SweptRegion | None) -> Plan | None:
         """A verified plan if the target can be taken out now; failing grasps are left aside."""
         avoid: set[int] = set()
-        for _ in range(self._effort.grasp_tries):
+        for _ in range(self._grasp_tries):
             with self.statistics.timed("retrieval"):
                 self.statistics.counts["retrievals"] += 1
                 found = self.parts.retrieval.plan(stand.state, self.rng, avoid=avoid)
@@ -139,11 +135,12 @@ class SearchRun:
     def realise(
         self,
         stand: Stand,
-        generator: ActionGenerator,
+        kind: str,
         request: ActionRequest,
         accept: Accept | None = None,
     ) -> tuple[RearrangementAction, Stand] | None:
-        """The first action a generator proposes that is valid, and where it leads."""
+        """The first action of a kind that is valid, and where it leads."""
+        generator = next(g for name, g in self.parts.actions if name == kind)
         proposals = generator.propose(stand.state, request, self.rng, self.statistics)
         for action in proposals:
             if self.budget.exhausted:

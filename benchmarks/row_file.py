@@ -1,8 +1,7 @@
-"""The rows of a success benchmark, kept in a file after every problem."""
+"""Rows of a benchmark, kept in a file after every problem."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import sys
 from pathlib import Path
@@ -12,24 +11,15 @@ from mamo_core.atomic import atomic_path, check_writable
 from mamo_core.errors import InputError
 from mamo_core.plan_file import package_versions
 from mamo_core.recipes import LoadedRecipe
+from mamo_core.study.code import code_version
 
 Row = dict[str, Any]
-ROOT = Path(__file__).resolve().parents[1]
 SCHEMA_VERSION = 1
 
 
 def identity(recipe: LoadedRecipe, budget: float, seed: int) -> dict[str, Any]:
     """What must be the same for two rows to belong into one table."""
     return {"recipe": recipe.data, "budget_s": budget, "seed": seed}
-
-
-def code_version() -> str:
-    """A hash of the framework's source: rows of different code are told apart."""
-    digest = hashlib.sha256()
-    for folder in ("mamo_core", "plugins"):
-        for file in sorted((ROOT / folder).rglob("*.py")):
-            digest.update(file.read_bytes())
-    return digest.hexdigest()[:8]
 
 
 class RowFile:

@@ -1,0 +1,26 @@
+"""The independent check of a plan: through its file, in a model built for nothing else."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from mamo_core.compose import build_parts, choose, make_verifier
+from mamo_core.config import Located
+from mamo_core.plan_file import read_plan
+from mamo_core.plugins import Registry
+from mamo_core.recipes import load_recipe
+
+
+def replay_failures(plan_text: str, registry: Registry) -> tuple[str, ...]:
+    """What fails when a plan file is written, read back and replayed in a new model.
+
+    The model is the recipe's engine, with the problem's own parameters.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "plan.json"
+        path.write_text(plan_text, encoding="utf-8")
+        document = read_plan(path)
+    recipe = load_recipe(Located(dict(document.recipe), "plan.json: recipe"))
+    choices = choose(recipe, document.problem, registry, ("constraint", "backend"))
+    return make_verifier(build_parts(choices, document.problem))(document.plan).failures

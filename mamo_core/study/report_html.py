@@ -1,0 +1,44 @@
+"""A report as one HTML file that needs no other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from html import escape
+from typing import Any
+
+from mamo_core.study.plots import curve_plot, scatter_plot
+from mamo_core.study.tables import Table, notes, report_tables
+
+_STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 75rem; margin: 2rem auto; padding: 0 1rem }
+table { border-collapse: collapse; font-size: 13px; display: block; overflow-x: auto }
+th, td { padding: .2rem .6rem; text-align: right; border-bottom: 1px solid #ddd }
+th:first-child, td:first-child { text-align: left }
+th { background: #f4f4f4 }
+svg { max-width: 100%; height: auto }
+"""
+
+
+def html_report(data: Mapping[str, Any]) -> str:
+    """Tables, notes and plots."""
+    title = escape(f"Study {data['study']}")
+    body = [f"<h1>{title}</h1>"]
+    body += [f"<p>{escape(words)}</p>" for words in notes(data)]
+    if data["curves"]:
+        body += ["<h2>Success over CPU time</h2>", curve_plot(data)]
+    for comparison in data["comparisons"]:
+        names = f"{comparison['planner']} against {comparison['baseline']}"
+        body += [f"<h2>{escape(names)}</h2>", scatter_plot(comparison, data["budget_s"])]
+    body += [_table(table) for table in report_tables(data)]
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
+        f"<style>{_STYLE}</style></head>\n<body>\n" + "\n".join(body) + "\n</body></html>\n"
+    )
+
+
+def _table(table: Table) -> str:
+    head = "".join(f"<th>{escape(cell)}</th>" for cell in table.header)
+    lines = "\n".join(
+        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows
+    )
+    return f"<h2>{escape(table.title)}</h2>\n<table><tr>{head}</tr>\n{lines}</table>"

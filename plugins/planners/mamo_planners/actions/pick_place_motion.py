@@ -1,0 +1,96 @@
+"""The motion of a pick and place, put together from its checked pieces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from mamo_core.interfaces.kinematics import Kinematics
+from mamo_core.robots.model import ArmModel
+from mamo_core.robots.timing import interpolated, time_path
+from mamo_core.types.geometry import Array
+from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
+from mamo_planners.actions.handling import Drop, Pickup
+from mamo_planners.options import PickPlaceOptions
+
+_TOOL_SPEED_STEP = 0.1
+_HELD_CORNER_JUMP = 0.15
+
+
+class MotionMaker:
+    """Times paths and labels them."""
+
+    def __init__(self, arm: ArmModel, kinematics: Kinematics, options: PickPlaceOptions) -> None:
+        self._arm, self._kinematics, self._options = arm, kinematics, options
+
+    def motion(
+        self,
+        name: str,
+        pickup: Pickup,
+        drop: Drop,
+        first: Array | None,
+        transit: Array,
+        carry: Array,
+        last: Array | None,
+    ) -> Motion:
+        """Pick object ``name`` up and put it down.
+
+        Paths (k, dof): ``first`` to where the gripper opens and ``last`` to where it closes, None
+        where it does so at once; ``transit`` to the reach, ``carry`` from the lift to the lowering.
+        """
+        o, closed = self._options, self._arm.gripper.closed
+        opening, width = pickup.opening, pickup.width
+        segments: list[MotionSegment] = []
+        if first is not None:
+            segments.append(self._free(first, np.inf, closed))
+        segments += [
+            self._gripper(transit[0], opening, contact_free=True),
+            self._free(transit, np.inf, opening),
+            self._free(pickup.reach, o.reach_speed, opening, SegmentKind.REACH),
+            self._gripper(pickup.reach[-1], max(width - o.squeeze, closed)),
+            self._held(pickup.lift, o.lift_speed, width, name, SegmentKind.LIFT),
+            self._held(carry, o.carry_speed, width, name, SegmentKind.CARRY),
+            self._held(drop.lower, o.lift_speed, width, name, SegmentKind.CARRY),
+            self._gripper(drop.lower[-1], opening, settle=o.settle),
+            self._free(drop.retract, o.reach_speed, opening, SegmentKind.RETRACT),
+        ]
+        if last is not None:
+            segments.append(self._free(last, np.inf, opening))
+        end = segments[-1].trajectory.positions[-1]
+        segments.append(self._gripper(end, closed, contact_free=True))
+        return Motion(tuple(segments), closed)
+
+    def _free(
+        self, path: Array, speed: float, opening: float, kind: SegmentKind = SegmentKind.TRANSIT
+    ) -> MotionSegment:
+        return MotionSegment(kind, self._timed(path, speed), opening, contact_free=True)
+
+    def _held(
+        self, path: Array, speed: float, grip: float, name: str, kind: SegmentKind
+    ) -> MotionSegment:
+        timed = self._timed(path, speed, corner_jump=_HELD_CORNER_JUMP)
+        return MotionSegment(kind, timed, grip, held=name, contact_free=True)
+
+    def _gripper(
+        self, q: Array, opening: float, *, contact_free: bool = False, settle: float = 0.0
+    ) -> MotionSegment:
+        times = np.array([0.0, self._options.gripper_time])
+        still = Trajectory(times, np.stack([q, q]))
+        return MotionSegment(
+            SegmentKind.GRIPPER, still, opening, contact_free=contact_free, settle=settle
+        )
+
+    def _timed(self, path: Array, speed: float, **corners: float) -> Trajectory:
+        rows = interpolated(path, _TOOL_SPEED_STEP) if np.isfinite(speed) else path
+        return time_path(
+            rows,
+            self._arm.velocity,
+            scale=self._options.joint_speed,
+            tool_positions=self._tools(rows),
+            tool_speed=speed,
+            **corners,
+        )
+
+    def _tools(self, path: Iterable[Array]) -> Array:
+        return np.array([self._kinematics.forward(q)[:3, 3] for q in path])

@@ -1,0 +1,101 @@
+"""Options of the searches, apart from the code that uses them."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from mamo_core.hookspecs import Options
+
+
+class GreedyOptions(Options):
+    """Options of ``greedy`` (M4M)."""
+
+    iterate: bool = Field(True, description="solve the MAPF problem again after every valid push")
+    regions: int = Field(
+        4, ge=1, description="retrievals drawn for the NGR; the least occupied one is taken"
+    )
+    grasp_tries: int = Field(3, ge=1, description="retrievals tried at one state")
+    rounds: int = Field(6, ge=1, description="MAPF calls at one state without a valid push")
+    agnostic: int = Field(
+        8, ge=0, description="goal-agnostic pushes tried per state when guided ones fail"
+    )
+    max_actions: int = Field(25, ge=1, description="actions of one attempt")
+    attempts: int = Field(1000, ge=1, description="restarts from the initial scene")
+    hopeless_attempts: int = Field(
+        6, ge=1, description="attempts without any retrieval, movables ignored, before giving up"
+    )
+    goal_margin: float = Field(0.015, ge=0.0, description="distance of MAPF goals to the NGR, m")
+    mapf_nodes: int = Field(300, ge=1, description="high-level nodes per MAPF call")
+    mapf_expansions: int = Field(60_000, ge=1, description="low-level expansions per MAPF call")
+
+
+class GraphOptions(Options):
+    """Options of all searches over a graph of rearrangements."""
+
+    lazy: bool = Field(False, description="evaluate actions only when they come first (6.3.3)")
+    positive_database: bool = Field(True, description="use valid pushes again (5.5.2)")
+    negative_database: bool = Field(True, description="avoid goals near failed ones (5.5.1)")
+    penalty: float = Field(
+        6.0, gt=0.0, description="cost of a goal within 1 cm of a failed one, in lattice steps"
+    )
+    shared_penalty: float = Field(
+        0.5, ge=0.0, description="times that, for goals that failed at another rearrangement"
+    )
+    forbidden_radius: float = Field(
+        0.03, gt=0.0, description="goals this close to one that was tried are forbidden, m"
+    )
+    agnostic: int = Field(
+        8, ge=0, description="goal-agnostic actions per rearrangement MAPF has no more ideas for"
+    )
+    costs: dict[str, float] = Field(
+        default_factory=lambda: {"push": 1.0, "pick_place": 2.0},
+        description="by kind of action: cheaper ones are evaluated first",
+    )
+    regions: int = Field(
+        1000, ge=1, description="NGRs searched one after the other (the thesis: 1; 7.1.1)"
+    )
+    hopeless_regions: int = Field(
+        6, ge=1, description="NGRs without any retrieval, movables ignored, before giving up"
+    )
+    draws: int = Field(
+        4, ge=1, description="retrievals drawn for the first NGR, the emptiest one is taken; then 1"
+    )
+    expansions: int = Field(6, ge=1, description="MAPF calls at one rearrangement")
+    visits: int = Field(
+        15, ge=1, description="expansions under the first NGR; n times as many under the n-th"
+    )
+    patience: dict[str, int] = Field(
+        default_factory=lambda: {"pick_place": 2},
+        description="by kind of action: failures for an object at one rearrangement before it is "
+        "left out there (kinds that are not named: never)",
+    )
+    grasp_tries: int = Field(3, ge=1, description="retrievals tried at one rearrangement")
+    max_actions: int = Field(25, ge=1, description="actions of a plan")
+    goal_margin: float = Field(0.015, ge=0.0, description="distance of MAPF goals to the NGR, m")
+    mapf_nodes: int = Field(300, ge=1, description="high-level nodes per MAPF call")
+    mapf_expansions: int = Field(60_000, ge=1, description="low-level expansions per MAPF call")
+
+
+class DepthFirstOptions(GraphOptions):
+    """Options of ``depth_first`` (I-M4M)."""
+
+    clearer: bool = Field(
+        False, description="of equally deep rearrangements, the one with the emptier NGR"
+    )
+
+
+class BestFirstOptions(GraphOptions):
+    """Options of ``best_first`` (E-M4M); the parameters are those of the author's code."""
+
+    order: Literal["learned", "tiebreak", "breadth_first"] = Field(
+        "learned", description="learned priority, its features in turn, or fewest actions"
+    )
+    density: Literal["survival", "thesis"] = Field(
+        "survival", description="survival: never rises with an object more; thesis: densities"
+    )
+    alpha: float = Field(0.3403101839, gt=0.0, description="Beta of the NGR's occupied share")
+    beta: float = Field(45.0750087432, gt=0.0, description="Beta of the NGR's occupied share")
+    count_rate: float = Field(1.5634743875, gt=0.0, description="per object in the NGR")
+    effort_rate: float = Field(32.1092604858, gt=0.0, description="per kg x friction x share")

@@ -1,0 +1,77 @@
+"""Vertices and edges of the graph over rearrangements (thesis 5.4, 6.3.3)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+from mamo_core.interfaces.action_generator import ActionRequest
+from mamo_core.types.geometry import Array
+from mamo_core.types.scene import SceneState
+from mamo_planners.search.execution import Stand
+from mamo_planners.search.run import Actions
+
+
+@dataclass(eq=False)
+class Aim:
+    """An object that MAPF wants at ``goal`` (2,), world xy, by any of ``pending`` kinds of action.
+
+    Each kind is struck off when it was tried; ``reached``: one of them worked.
+    """
+
+    name: str
+    goal: Array
+    pending: int
+    reached: bool = False
+
+    @property
+    def failed(self) -> bool:
+        """Whether no kind of action works."""
+        return not self.pending and not self.reached
+
+
+@dataclass(eq=False)
+class Vertex:
+    """A rearrangement and the actions that lead to it.
+
+    ``known``: how many failed aims the last MAPF call was told of; ``hallucinated``: how many aims
+    that did not fail. ``retrieval_tried``: whether the target cannot be taken out from here.
+    ``failures``: how often a kind of action failed for an object.
+    """
+
+    number: int
+    stand: Stand
+    actions: Actions
+    parent: Vertex | None = None
+    aims: list[Aim] = field(default_factory=list)
+    expansions: int = 0
+    known: int = 0
+    hallucinated: int = 0
+    retrieval_tried: bool = False
+    failures: Counter[tuple[str, str]] = field(default_factory=Counter)
+
+    @property
+    def state(self) -> SceneState:
+        """Where everything is."""
+        return self.stand.state
+
+    @property
+    def depth(self) -> int:
+        """Number of actions on the way."""
+        return len(self.actions)
+
+    def has_aim(self, name: str, goal: Array) -> bool:
+        """Whether MAPF wanted exactly that before."""
+        return any(aim.name == name and (aim.goal == goal).all() for aim in self.aims)
+
+
+@dataclass(frozen=True, eq=False)
+class Edge:
+    """An action that nobody has looked at yet: ``kind`` of generator and what it is asked for."""
+
+    number: int
+    parent: Vertex
+    kind: str
+    request: ActionRequest
+    cost: float
+    aim: Aim | None = None

@@ -1,0 +1,283 @@
+"""What E-M4M and I-M4M do on tiny scenes, step by step. Each test carries its settings."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mamo_core.testing.fakes import StraightPush
+from mamo_core.testing.scenes import clear_scene, one_blocker, two_blockers, walled_in
+from mamo_core.types.mapf import MAPFSolution, MAPFStatus
+from mamo_core.types.solution import SolutionStatus
+from mamo_core.verify import VerifyReport
+
+A, B = "push a to 15,10", "push b to 30,-10"
+SEARCHES = [("depth_first", False), ("depth_first", True), ("best_first", False)]
+
+
+class NoPush(StraightPush):
+    """Finds nothing."""
+
+    def propose(self, state, request, rng, statistics):
+        statistics.failed(request.object_name, "push", "no_ik")
+        return iter(())
+
+
+class NotBefore(StraightPush):
+    """Cannot push ``name`` before ``other`` is out of the way: an order has to be found."""
+
+    def __init__(self, problem, name, other):
+        super().__init__(problem)
+        self.name, self.other = name, other
+
+    def propose(self, state, request, rng, statistics):
+        place = self._problem.scene.index(self.other)
+        start = self._problem.initial.object_poses[place]
+        stands = np.linalg.norm(state.object_poses[place, :2] - start[:2]) < 0.05
+        if request.object_name == self.name and stands:
+            return iter(())
+        return super().propose(state, request, rng, statistics)
+
+
+@pytest.mark.parametrize(("kind", "lazy"), SEARCHES)
+@pytest.mark.parametrize(
+    ("scene", "actions"), [(clear_scene, []), (one_blocker, ["push a to 25,10"])]
+)
+def test_short_plans(search_of, in_words, scene, actions, kind, lazy):
+    solution = search_of(scene().problem, kind=kind, lazy=lazy).solve()
+    assert solution.status is SolutionStatus.SOLVED
+    assert in_words(solution) == actions
+    assert not +solution.statistics.causes
+
+
+@pytest.mark.parametrize(
+    ("kind", "lazy", "seed", "actions", "rollouts", "expansions"),
+    [
+        # Two rollouts for each push, alone and in line, and one of the retrieval.
+        ("depth_first", False, 0, [A, B], 7, 2),
+        ("depth_first", True, 0, [A, B], 5, 2),
+        ("depth_first", True, 3, [B, A], 5, 2),
+        ("best_first", False, 0, [A, B], 7, 2),
+    ],
+)
+def test_two_blockers(search_of, in_words, kind, lazy, seed, actions, rollouts, expansions):
+    options = {"positive_database": False}
+    search = search_of(two_blockers().problem, kind=kind, lazy=lazy, **options)
+    solution = search.solve(seed)
+    assert in_words(solution) == actions
+    counts = solution.statistics.counts
+    assert counts["rollouts"] == rollouts
+    assert counts["expansions"] == counts["mapf_calls"] == expansions
+    assert len(search.mapf.problems) == expansions
+
+
+@pytest.mark.parametrize("kind", ["depth_first", "best_first"])
+def test_laziness_changes_the_work_not_the_claim(search_of, kind):
+    plans = [search_of(two_blockers().problem, kind=kind, lazy=lazy) for lazy in (False, True)]
+    eager, lazy = (search.solve() for search in plans)
+    assert eager.status is lazy.status is SolutionStatus.SOLVED
+    assert lazy.statistics.counts["rollouts"] <= eager.statistics.counts["rollouts"]
+    assert all(s.replay(x.plan).ok for s, x in zip(plans, (eager, lazy), strict=True))
+
+
+@pytest.mark.parametrize(("kind", "lazy"), SEARCHES)
+def test_it_finds_the_order(search_of, in_words, kind, lazy):
+    """The greedy thesis example of 7.1.1: b only once a is out of the way."""
+    problem = two_blockers().problem
+    push = NotBefore(problem, "b", "a")
+    options = {"kind": kind, "lazy": lazy, "shared_penalty": 0.0}
+    solution = search_of(problem, actions=[push], **options).solve()
+    assert in_words(solution) == [A, B]
+
+
+@pytest.mark.parametrize("lazy", [False, True])
+def test_the_same_push_is_not_simulated_twice(search_of, in_words, lazy):
+    """Both pushes are found at the root; the second one of the plan comes from the database."""
+    problem = two_blockers().problem
+    options = {"order": "breadth_first", "lazy": lazy, "expansions": 1, "agnostic": 0}
+    with_, without = (
+        search_of(problem, kind="best_first", positive_database=used, **options).solve()
+        for used in (True, False)
+    )
+    assert in_words(with_) == in_words(without)
+    assert with_.statistics.counts["database_hits"] >= 1
+    assert without.statistics.counts["database_hits"] == 0
+    assert with_.statistics.counts["database_refuted"] == 0
+    assert with_.statistics.counts["rollouts"] < without.statistics.counts["rollouts"]
+
+
+def test_orders_that_lead_to_the_same_rearrangement_meet(search_of):
+    """Without a retrieval everything is tried; a then b is b then a."""
+    refuse = search_of(
+        two_blockers().problem,
+        verifier=lambda plan: VerifyReport(("no",), None),
+        kind="depth_first",
+        regions=1,
+        agnostic=0,
+        expansions=1,
+    )
+    solution = refuse.solve()
+    assert solution.status is SolutionStatus.BUDGET_EXHAUSTED
+    assert solution.plan is None
+    assert solution.statistics.counts["duplicates"] == 1
+
+
+def test_failed_goals_are_told_to_mapf(search_of):
+    problem = one_blocker().problem
+    search = search_of(
+        problem,
+        actions=[NoPush(problem)],
+        kind="depth_first",
+        regions=1,
+        expansions=3,
+        agnostic=0,
+        shared_penalty=0.0,
+    )
+    search.solve()
+    forbidden = [
+        [
+            tuple(p.position.round(2))
+            for agent in asked.agents
+            for p in agent.penalties
+            if np.isinf(p.cost)
+        ]
+        for asked in search.mapf.problems
+    ]
+    assert forbidden == [[], [(0.25, 0.1)], [(0.25, 0.1), (0.25, -0.1)]]
+
+
+def test_valid_goals_are_hallucinated_once_nothing_else_is_new(search_of):
+    """After a has been pushed in vain, the way it went is closed to MAPF, too."""
+    search = search_of(
+        one_blocker().problem,
+        verifier=lambda plan: VerifyReport(("no",), None),
+        kind="depth_first",
+        regions=1,
+        expansions=2,
+        agnostic=0,
+    )
+    search.solve()
+    start = one_blocker().problem.initial.object_poses[0, :2]
+    at_the_root = [
+        asked for asked in search.mapf.problems if (asked.agents[0].pose[:2] == start).all()
+    ]
+    assert [len(asked.agents[0].penalties) for asked in at_the_root] == [0, 1]
+    assert np.allclose(at_the_root[1].agents[0].penalties[0].position, [0.25, 0.1])
+
+
+def test_near_goals_are_penalised_only_with_the_database(search_of):
+    problem = one_blocker().problem
+    costs = []
+    for used in (True, False):
+        options = {"regions": 1, "expansions": 2, "agnostic": 0, "negative_database": used}
+        search = search_of(problem, actions=[NoPush(problem)], kind="best_first", **options)
+        search.solve()
+        penalties = [p for agent in search.mapf.problems[1].agents for p in agent.penalties]
+        costs.append([p.cost for p in penalties if np.isfinite(p.cost)])
+    assert costs[0] == pytest.approx([3.0, 1.0, 2.0])
+    assert costs[1] == []
+
+
+def test_a_second_kind_of_action_is_tried_where_the_first_fails(search_of, in_words):
+    problem = one_blocker().problem
+    search = search_of(
+        problem, actions=[NoPush(problem), StraightPush(problem)], kind="depth_first", lazy=True
+    )
+    solution = search.solve()
+    assert in_words(solution) == ["push a to 25,10"]
+    assert solution.statistics.counts["expansions"] == 1
+
+
+def test_cheaper_kinds_come_first(search_of):
+    problem = one_blocker().problem
+    asked = []
+
+    def named(name):
+        class Push(StraightPush):
+            def propose(self, *arguments):
+                asked.append(name)
+                return super().propose(*arguments)
+
+        return Push(problem)
+
+    costs = {"push": 2.0, "push1": 1.0}
+    actions = [named("push"), named("push1")]
+    search_of(problem, actions=actions, kind="depth_first", lazy=True, costs=costs).solve()
+    assert asked == ["push1"]
+
+
+def test_without_a_mapf_solution_actions_are_goal_agnostic(search_of, in_words):
+    search = search_of(one_blocker().problem, kind="depth_first", lazy=True)
+    search.mapf.solve = lambda problem, budget, rng: MAPFSolution(MAPFStatus.INFEASIBLE)
+    assert in_words(search.solve()) == ["push a to 25,15"]
+
+
+def test_another_region_is_drawn_when_nothing_is_left(search_of):
+    problem = one_blocker().problem
+    options = {"kind": "depth_first", "expansions": 1, "agnostic": 0, "regions": 3}
+    solution = search_of(problem, actions=[NoPush(problem)], **options).solve()
+    assert solution.status is SolutionStatus.BUDGET_EXHAUSTED
+    assert solution.statistics.counts["regions"] == 3
+
+
+def test_a_plan_that_fails_verification_is_never_returned(search_of):
+    options = {"kind": "depth_first", "regions": 2, "expansions": 2}
+    refuse = search_of(
+        one_blocker().problem, verifier=lambda plan: VerifyReport(("no",), None), **options
+    )
+    solution = refuse.solve()
+    assert solution.plan is None
+    assert solution.statistics.causes["plan/verification/no"] >= 2
+
+
+def test_hopeless(search_of):
+    search = search_of(walled_in().problem, kind="depth_first", hopeless_regions=2, draws=3)
+    solution = search.solve()
+    assert solution.status is SolutionStatus.BUDGET_EXHAUSTED
+    assert solution.reason == "no way to retrieve target even without movables: blocked_by_w"
+    assert solution.statistics.counts["rollouts"] == 0
+
+
+def test_actions_are_limited(search_of):
+    options = {"kind": "depth_first", "max_actions": 1, "regions": 1}
+    solution = search_of(two_blockers().problem, **options).solve()
+    assert solution.plan is None
+
+
+def test_no_budget(search_of):
+    solution = search_of(two_blockers().problem, kind="depth_first").solve(seconds=0.0)
+    assert solution.status is SolutionStatus.BUDGET_EXHAUSTED
+    assert solution.statistics.counts["rollouts"] == 0
+
+
+class Drifting(StraightPush):
+    """Stored pushes do something else when they are executed again."""
+
+    def propose(self, state, request, rng, statistics):
+        for action in super().propose(state, request, rng, statistics):
+            yield replace(action, info={"own": 1.0})
+
+
+def test_what_the_database_says_is_executed_before_it_counts(search_of):
+    problem = two_blockers().problem
+    options = {"order": "breadth_first", "expansions": 1, "agnostic": 0}
+    search = search_of(problem, kind="best_first", **options)
+    after = search.search._parts.execution
+    asked = []
+
+    def execution(statistics, budget):
+        made = after(statistics, budget)
+        executed = made.after
+
+        def spy(stand, action, accept):
+            asked.append((stand.predicted, action.object_name))
+            return executed(stand, action, accept)
+
+        made.after = spy
+        return made
+
+    search.search._parts = replace(search.search._parts, execution=execution)
+    solution = search.solve()
+    assert solution.statistics.counts["database_hits"] >= 1
+    assert not any(predicted for predicted, _ in asked)
+    assert len(asked) > len(solution.plan.actions)
