@@ -24,7 +24,7 @@ from mamo_planners.options import RetrievalOptions
 _GRIPPER_TIME = 0.5
 _LEAST_LIFT = 0.003
 _CANDIDATE_SEED = 0
-_THOROUGH = 6
+_THOROUGH = 20
 _AT_ONCE = 16
 _REACH_STEP = 0.01
 _APPROACH_SHARES = (1.0, 0.65)

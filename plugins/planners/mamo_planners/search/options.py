@@ -56,13 +56,17 @@ class GraphOptions(Options):
     regions: int = Field(
         1000, ge=1, description="NGRs searched one after the other (the thesis: 1; 7.1.1)"
     )
+    carry_over: bool = Field(
+        True,
+        description="a new NGR starts from all rearrangements found so far, not from the first",
+    )
     hopeless_regions: int = Field(
         6, ge=1, description="NGRs without any retrieval, movables ignored, before giving up"
     )
     draws: int = Field(
         4, ge=1, description="retrievals drawn for the first NGR, the emptiest one is taken; then 1"
     )
-    expansions: int = Field(6, ge=1, description="MAPF calls at one rearrangement")
+    expansions: int = Field(4, ge=1, description="MAPF calls at one rearrangement")
     visits: int = Field(
         15, ge=1, description="expansions under the first NGR; n times as many under the n-th"
     )

@@ -42,8 +42,8 @@ class RearrangementSearch(SearchStrategy):
             order = self._make_order(self._parts.problem, region)
             database = self._database(run)
             rules = self._rules(number)
-            plan = RearrangementGraph(run, region, order, rules, database, failures).search(start)
-            plan = plan or self._grasped_anew(run)
+            graph = RearrangementGraph(run, region, order, rules, database, failures)
+            plan = graph.search(start) or self._grasped_anew(run)
         if plan is None:
             return run.no_plan()
         return Solution(SolutionStatus.SOLVED, plan, run.statistics)
