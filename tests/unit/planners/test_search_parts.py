@@ -149,7 +149,8 @@ class TestDatabase:
 
     def test_other_paths_and_objects_are_not(self):
         database, _ = self.database()
-        assert database.find("a", self.path + np.array([[0, 0], [0.02, 0]]), self.problem.initial) is None
+        other = self.path + np.array([[0.0, 0.0], [0.02, 0.0]])
+        assert database.find("a", other, self.problem.initial) is None
         assert database.find("b", self.path, self.problem.initial) is None
 
     def test_what_was_pushed_must_stand_where_it_stood(self):
