@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -24,10 +24,19 @@ from mamo_core.plugins import Registry
 from mamo_core.recipes import LoadedRecipe
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.problem import Problem
+from mamo_core.types.rollout import ParameterOverrides
 from mamo_core.types.solution import Budget, Plan, Solution
 
 if TYPE_CHECKING:
     from mamo_core.verify import VerifyReport
+
+
+class PlanVerifier(Protocol):
+    """Replays a plan and checks every claim, with other masses and frictions if some are given."""
+
+    def __call__(
+        self, plan: Plan, parameters: ParameterOverrides | None = None
+    ) -> VerifyReport: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +60,7 @@ class BuildContext:
     retrieval: RetrievalPlanner | None = None
     mapf: MAPFSolver | None = None
     actions: tuple[tuple[str, ActionGenerator], ...] = ()
-    verifier: Callable[[Plan], VerifyReport] | None = None
+    verifier: PlanVerifier | None = None
 
     def part(self, role: str) -> Any:
         """The part built for ``role``, for components that cannot do without it.
@@ -191,24 +200,26 @@ def build_parts(
     return context
 
 
-def make_verifier(context: BuildContext) -> Callable[[Plan], VerifyReport]:
+def make_verifier(context: BuildContext) -> PlanVerifier:
     """A function that verifies plans for the problem of ``context`` with all its engines.
 
-    The first engine that finds something wrong ends it; its name stands before what it found,
-    unless it is the backend.
+    Its second argument, None or left out for the problem's own, are the masses and frictions of
+    the objects. The first engine that finds something wrong ends it; its name stands before what
+    it found, unless it is the backend.
     """
     model = context.backend
     if model is None:
         raise ValueError("verification needs a backend")
 
-    def check(plan: Plan) -> VerifyReport:
+    def check(plan: Plan, parameters: ParameterOverrides | None = None) -> VerifyReport:
         from mamo_core.verify import verify
 
-        report = verify(context.problem, plan, model, context.robot)
+        problem, robot = context.problem, context.robot
+        report = verify(problem, plan, model, robot, parameters=parameters)
         for name, other in context.accept_in:
             if not report.ok:
                 break
-            theirs = verify(context.problem, plan, other, context.robot)
+            theirs = verify(problem, plan, other, robot, parameters=parameters)
             failures = tuple(f"{name}: {failure}" for failure in theirs.failures)
             outside_cpu = report.outside_cpu + theirs.outside_cpu
             report = replace(report, failures=failures, outside_cpu=outside_cpu)

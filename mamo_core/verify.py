@@ -14,7 +14,7 @@ from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array, invert, matrix_from_pose
 from mamo_core.types.motion import Motion, MotionSegment
 from mamo_core.types.problem import Problem
-from mamo_core.types.rollout import RolloutResult
+from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import Mobility, SceneState
 from mamo_core.types.solution import Plan
 
@@ -55,6 +55,7 @@ def verify(
     model: TransitionModel,
     robot: ArmModel,
     *,
+    parameters: ParameterOverrides | None = None,
     trace_step: float | None = None,
 ) -> VerifyReport:
     """Replay the plan, retrieval included, in ONE continuous rollout from the initial state.
@@ -70,7 +71,7 @@ def verify(
     segments = tuple(s for motion in plan.motions for s in motion.segments)
     whole = Motion(segments, plan.motions[0].opening)
     options = RolloutOptions(stop_early=False, trace_step=trace_step)
-    rollout = model.rollout(problem.initial, whole, options=options)
+    rollout = model.rollout(problem.initial, whole, parameters=parameters, options=options)
     found = _rollout_failures(rollout)
     if not found:
         states = rollout.segment_states

@@ -60,10 +60,14 @@ class TransitionModel(ABC):
         *,
         parameters: Sequence[ParameterOverrides | None] | None = None,
         options: RolloutOptions | None = None,
+        continue_from: Sequence[Any] | None = None,
     ) -> list[RolloutResult]:
         """The same as a loop of ``rollout``; engines that can run side by side override it."""
         overrides = parameters if parameters is not None else [None] * len(states)
+        tokens = continue_from if continue_from is not None else [None] * len(states)
         return [
-            self.rollout(state, motion, parameters=override, options=options)
-            for state, motion, override in zip(states, motions, overrides, strict=True)
+            self.rollout(state, motion, parameters=override, options=options, continue_from=token)
+            for state, motion, override, token in zip(
+                states, motions, overrides, tokens, strict=True
+            )
         ]

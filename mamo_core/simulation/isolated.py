@@ -67,13 +67,15 @@ class IsolatedModel(TransitionModel):
         *,
         parameters: Sequence[ParameterOverrides | None] | None = None,
         options: RolloutOptions | None = None,
+        continue_from: Sequence[Any] | None = None,
     ) -> list[RolloutResult]:
         """Side by side in the workers."""
         overrides = parameters if parameters is not None else [None] * len(states)
+        tokens = continue_from if continue_from is not None else [None] * len(states)
         jobs = [
-            (worker, worker.begin(_rollout, (state, motion, override, options, None)))
-            for worker, state, motion, override in zip(
-                cycle(self._workers), states, motions, overrides, strict=False
+            (worker, worker.begin(_rollout, (state, motion, override, options, token)))
+            for worker, state, motion, override, token in zip(
+                cycle(self._workers), states, motions, overrides, tokens, strict=False
             )
         ]
         return [_result(*job, state) for job, state in zip(jobs, states, strict=True)]

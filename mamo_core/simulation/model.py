@@ -26,9 +26,10 @@ class Continuation:
     """Where a rollout ended: a ``snapshot`` of the world, or how to get there again.
 
     ``start`` and ``motions`` (each with whether it stops early) are what has been executed, kept
-    only without a snapshot.
+    only without a snapshot. ``parameters``: of the world it happened in.
     """
 
+    parameters: ParameterOverrides | None
     start: SceneState
     motions: tuple[tuple[Motion, bool], ...]
     snapshot: Any
@@ -66,13 +67,13 @@ class SimulatedModel(TransitionModel):
         world = self._nominal if parameters is None else self._make_world(parameters)
         chosen = options if options is not None else RolloutOptions()
         if continue_from is None:
-            return self._fresh(world, state, motion, chosen)
+            return self._fresh(world, parameters, state, motion, chosen)
         if not isinstance(continue_from, Continuation):
             raise ValueError(
                 f"continue_from: {type(continue_from).__name__}, expected what an earlier "
                 "rollout gave as its continuation"
             )
-        if parameters is not None:
+        if not same_parameters(parameters, continue_from.parameters):
             raise ValueError("continue_from: cannot be continued with other parameters")
         return self._continued(world, state, motion, chosen, continue_from)
 
@@ -81,12 +82,18 @@ class SimulatedModel(TransitionModel):
         return self._nominal.tool_pose()
 
     def _fresh(
-        self, world: SimulatedWorld, state: SceneState, motion: Motion, options: RolloutOptions
+        self,
+        world: SimulatedWorld,
+        parameters: ParameterOverrides | None,
+        state: SceneState,
+        motion: Motion,
+        options: RolloutOptions,
     ) -> RolloutResult:
         world.reset(state, self._arm.gripper.drive(motion.opening))
         run = self._run(world, options, motion.opening)
         result = run.execute(motion, state)
-        return self._kept(world, run, result, state, ((motion, options.stop_early),), options)
+        first = Continuation(parameters, state, (), None, motion.opening, -1)
+        return self._kept(world, run, result, first, motion, options)
 
     def _continued(
         self,
@@ -102,8 +109,7 @@ class SimulatedModel(TransitionModel):
             self._replay(world, before)
         run = self._run(world, options, before.opening, before.held)
         result = run.execute(motion, state)
-        motions = (*before.motions, (motion, options.stop_early))
-        return self._kept(world, run, result, before.start, motions, options)
+        return self._kept(world, run, result, before, motion, options)
 
     def _replay(self, world: SimulatedWorld, before: Continuation) -> None:
         opening, held = before.motions[0][0].opening, -1
@@ -124,14 +130,23 @@ class SimulatedModel(TransitionModel):
         world: SimulatedWorld,
         run: MotionRun,
         result: RolloutResult,
-        start: SceneState,
-        motions: tuple[tuple[Motion, bool], ...],
+        before: Continuation,
+        motion: Motion,
         options: RolloutOptions,
     ) -> RolloutResult:
-        if not options.keep or world is not self._nominal:
+        """The result with where it ended, if that is wanted."""
+        if not options.keep:
             return result
+        token = replace(before, opening=run.opening, held=run.held)
         if world.exact_snapshots:
-            token = Continuation(start, (), world.snapshot(), run.opening, run.held)
+            token = replace(token, snapshot=world.snapshot())
         else:
-            token = Continuation(start, motions, None, run.opening, run.held)
+            token = replace(token, motions=(*before.motions, (motion, options.stop_early)))
         return replace(result, continuation=token)
+
+
+def same_parameters(one: ParameterOverrides | None, other: ParameterOverrides | None) -> bool:
+    """Whether both change the same masses and frictions to the same values."""
+    if one is None or other is None:
+        return one is other
+    return one.masses == other.masses and one.frictions == other.frictions

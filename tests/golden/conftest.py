@@ -11,6 +11,7 @@ from mamo_planners.search.options import BestFirstOptions, DepthFirstOptions, Gr
 from mamo_planners.search.orders import DepthFirst, order_of
 from mamo_planners.search.rearrangement import RearrangementSearch
 from mamo_planners.search.run import SearchParts
+from mamo_planners.search.uncertainty import needed, sampled
 
 from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus
 from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld
@@ -104,6 +105,7 @@ class Search:
         **options,
     ):
         self.problem, self.others = problem, others
+        self.uncertainty = options.get("uncertainty")
         self.model = model or QuasiStaticModel(
             problem, GantryKinematics().forward, standard_constraints(problem)
         )
@@ -119,15 +121,22 @@ class Search:
                 for n, a in enumerate(actions or [StraightPush(problem)])
             ),
             self._execution,
-            verifier or self.replay,
+            lambda plan, parameters: (verifier or self.replay)(plan),
         )
         self.search = KINDS[kind](parts, options)
 
-    def _execution(self, statistics, budget):
+    def _execution(self, statistics, budget, rng):
         arm = SimpleNamespace(gripper=SimpleNamespace(closed=0.0), velocity=np.ones(4))
         engines = [Engine(name, model) for name, model in [("own", self.model), *self.others]]
+        tolerated = 0
+        if self.uncertainty is not None:
+            drawn = sampled(self.problem.scene, self.uncertainty, rng)
+            engines = [
+                Engine(f"sample_{n}", self.model, values, n == 0) for n, values in enumerate(drawn)
+            ]
+            tolerated = len(engines) - needed(self.uncertainty)
         parts = (arm, engines, NoCollisions(), StraightArm(), lambda motion, states: True)
-        return Execution(self.problem, *parts, statistics, budget)
+        return Execution(self.problem, *parts, statistics, budget, tolerated)
 
     def replay(self, plan):
         """The whole plan in one rollout."""

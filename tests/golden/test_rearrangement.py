@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from mamo_planners.search.options import Uncertainty
+from mamo_planners.search.uncertainty import needed, sampled
 
 from mamo_core.testing.fakes import StraightPush
 from mamo_core.testing.scenes import clear_scene, one_blocker, two_blockers, walled_in
@@ -265,8 +267,8 @@ def test_what_the_database_says_is_executed_before_it_counts(search_of):
     after = search.search._parts.execution
     asked = []
 
-    def execution(statistics, budget):
-        made = after(statistics, budget)
+    def execution(*arguments):
+        made = after(*arguments)
         executed = made.after
 
         def spy(stand, action, accept):
@@ -281,3 +283,65 @@ def test_what_the_database_says_is_executed_before_it_counts(search_of):
     assert solution.statistics.counts["database_hits"] >= 1
     assert not any(predicted for predicted, _ in asked)
     assert len(asked) > len(solution.plan.actions)
+
+
+def exactly(simulators=1, copies=1, threshold=1.0):
+    return Uncertainty(
+        simulators=simulators,
+        copies=copies,
+        threshold=threshold,
+        mass_spread=0.0,
+        friction_spread=0.0,
+    )
+
+
+@pytest.mark.parametrize("uncertainty", [exactly(), exactly(2, 3)])
+def test_without_noise_robust_is_plain(search_of, uncertainty):
+    problem = two_blockers().problem
+    options = {"kind": "depth_first", "lazy": True}
+    plain = search_of(problem, **options).solve(3)
+    robust = search_of(problem, uncertainty=uncertainty, **options).solve(3)
+    assert [m.duration for m in plain.plan.motions] == [m.duration for m in robust.plan.motions]
+    for one, other in zip(plain.plan.motions, robust.plan.motions, strict=True):
+        for a, b in zip(one.segments, other.segments, strict=True):
+            assert np.array_equal(a.trajectory.positions, b.trajectory.positions)
+    extra = uncertainty.samples - 1
+    pushes, retrievals = len(plain.plan.actions), 1
+    expected = plain.statistics.counts["rollouts"] + extra * (pushes + retrievals)
+    assert robust.statistics.counts["rollouts"] == expected
+
+
+@pytest.mark.parametrize(("threshold", "solved"), [(1.0, False), (0.5, True)])
+def test_so_many_samples_may_fail(search_of, threshold, solved, monkeypatch):
+    """Of four samples one has objects too heavy to push."""
+    problem = one_blocker().problem
+    search = search_of(
+        problem,
+        kind="depth_first",
+        uncertainty=exactly(4, 1, threshold),
+        expansions=1,
+        agnostic=0,
+    )
+    rollout_batch = search.model.rollout_batch
+
+    def heavier(states, motions, *, parameters, **more):
+        last = replace(parameters[-1], masses=dict.fromkeys(parameters[-1].masses, 50.0))
+        return rollout_batch(states, motions, parameters=[*parameters[:-1], last], **more)
+
+    monkeypatch.setattr(search.model, "rollout_batch", heavier)
+    solution = search.solve()
+    assert (solution.status is SolutionStatus.SOLVED) == solved
+    assert solution.statistics.causes["a/push/stalled"] >= 1
+
+
+def test_the_law_of_the_samples():
+    scene = two_blockers().problem.scene
+    drawn = sampled(scene, Uncertainty(simulators=50, copies=4), np.random.default_rng(0))
+    masses = np.array([values.masses["a"] for values in drawn]) / 0.2
+    frictions = np.array([values.frictions["a"] for values in drawn]) / 0.5
+    assert len(drawn) == 200
+    assert masses.std() == pytest.approx(0.2, rel=0.2)
+    assert 0.5 <= frictions.min() < 0.6
+    assert 1.9 < frictions.max() <= 2.0
+    assert sorted(drawn[0].masses) == ["a", "b", "c", "target"]
+    assert [needed(Uncertainty(threshold=t)) for t in (0.9, 0.01, 1.0)] == [10, 1, 12]

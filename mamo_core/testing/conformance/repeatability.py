@@ -90,19 +90,40 @@ def overrides_end(bench: Bench) -> None:
 
 def continuation(bench: Bench) -> None:
     """Stopped in mid-push, there are two ways on; each taken twice, in turns, is the same bit for
-    bit, and the same as if there had been no stop."""
+    bit, and the same as if there had been no stop; with other masses and frictions, too."""
+    overrides = "parameter_overrides" in bench.capabilities
+    # Lighter, as a heavy object may stall the arm, which ends a rollout.
+    lighter = ParameterOverrides({bench.cases.pushed: 0.1}, {bench.cases.pushed: 0.25})
+    for parameters in (None, lighter) if overrides else (None,):
+        _continued(bench, parameters)
+
+
+def _continued(bench: Bench, parameters: ParameterOverrides | None) -> None:
     model, start = new_model(bench), bench.cases.problem.initial
     begun, onward, back = _in_mid_push(bench)
-    first = model.rollout(start, begun, options=RolloutOptions(keep=True))
+    keep = RolloutOptions(stop_early=False, keep=True)
+    first = model.rollout(start, begun, parameters=parameters, options=keep)
     token = first.continuation
     require(token is not None, "exact_continuation is declared, but there is none")
     traced = RolloutOptions(stop_early=False, trace_step=0.05)
+
+    def go_on(branch: Motion) -> RolloutResult:
+        (result,) = model.rollout_batch(
+            [first.final_state],
+            [branch],
+            parameters=[parameters],
+            options=traced,
+            continue_from=[token],
+        )
+        return result
+
     for branch in (onward, back):
-        whole = model.rollout(start, merged(begun, branch), options=ALL)
-        rest = model.rollout(first.final_state, branch, continue_from=token, options=traced)
-        other = back if branch is onward else onward
-        model.rollout(first.final_state, other, continue_from=token, options=ALL)
-        again = model.rollout(first.final_state, branch, continue_from=token, options=traced)
+        whole = model.rollout(start, merged(begun, branch), parameters=parameters, options=ALL)
+        rest = model.rollout(
+            first.final_state, branch, parameters=parameters, continue_from=token, options=traced
+        )
+        go_on(back if branch is onward else onward)
+        again = go_on(branch)
         for result in (rest, again):
             gap = _gap(result.final_state.object_poses, whole.final_state.object_poses)
             require(gap == 0.0, f"it differs from the whole by up to {gap:.1e}")

@@ -43,18 +43,21 @@ class MuJoCoModel(SimulatedModel):
         *,
         parameters: Sequence[ParameterOverrides | None] | None = None,
         options: RolloutOptions | None = None,
+        continue_from: Sequence[Any] | None = None,
     ) -> list[RolloutResult]:
         """Side by side in threads (the engine lets the interpreter go while it steps)."""
         overrides = parameters if parameters is not None else [None] * len(states)
+        tokens = continue_from if continue_from is not None else [None] * len(states)
 
-        def one(job: tuple[SceneState, Motion, ParameterOverrides | None]) -> RolloutResult:
-            state, motion, override = job
-            model = SimulatedModel(
-                self._problem, self._arm, self._constraints, lambda _: self._worlds(override)
+        def one(job: tuple[SceneState, Motion, ParameterOverrides | None, Any]) -> RolloutResult:
+            state, motion, override, token = job
+            world = self._worlds(override)
+            model = SimulatedModel(self._problem, self._arm, self._constraints, lambda _: world)
+            return model.rollout(
+                state, motion, parameters=override, options=options, continue_from=token
             )
-            return model.rollout(state, motion, options=options)
 
-        jobs = list(zip(states, motions, overrides, strict=True))
+        jobs = list(zip(states, motions, overrides, tokens, strict=True))
         with ThreadPoolExecutor(self._threads) as pool:
             return list(pool.map(one, jobs))
 

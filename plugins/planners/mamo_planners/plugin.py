@@ -9,9 +9,16 @@ from typing import TYPE_CHECKING, Any
 from mamo_core.hookspecs import Component, hookimpl
 from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
 from mamo_planners.options import PickPlaceOptions, PushOptions, RetrievalOptions
-from mamo_planners.search.options import BestFirstOptions, DepthFirstOptions, GreedyOptions
+from mamo_planners.search.options import (
+    BestFirstOptions,
+    DepthFirstOptions,
+    GreedyOptions,
+    Uncertainty,
+)
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from mamo_core.compose import BuildContext
     from mamo_core.types.motion import Motion
     from mamo_core.types.scene import SceneState
@@ -60,27 +67,39 @@ def _pick_place(context: BuildContext, options: PickPlaceOptions) -> Any:
     )
 
 
-def _search_parts(context: BuildContext) -> SearchParts:
+def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None) -> SearchParts:
     from mamo_core.robots.contact_free import check_meshes
     from mamo_planners.search.execution import Engine, Execution
     from mamo_planners.search.run import SearchParts
+    from mamo_planners.search.uncertainty import needed, sampled
 
     scene, robot = context.problem.scene, context.robot
 
     def contact_free(motion: Motion, states: Sequence[SceneState]) -> bool:
         return not check_meshes(scene, motion.segments, states, robot, motion.opening)
 
-    def execution(statistics: Statistics, budget: Budget) -> Execution:
-        engines = [("backend", context.part("backend")), *context.accept_in]
+    def engines(rng: np.random.Generator) -> tuple[list[Engine], int]:
+        """The engines, and how many of them may fail."""
+        backend = context.part("backend")
+        others = [Engine(name, model) for name, model in context.accept_in]
+        if uncertainty is None:
+            return [Engine("backend", backend), *others], 0
+        samples = sampled(scene, uncertainty, rng)
+        drawn = [Engine(f"sample_{n}", backend, v, n == 0) for n, v in enumerate(samples)]
+        return [*drawn, *others], len(drawn) - needed(uncertainty)
+
+    def execution(statistics: Statistics, budget: Budget, rng: np.random.Generator) -> Execution:
+        used, tolerated = engines(rng)
         return Execution(
             context.problem,
             robot,
-            [Engine(name, model) for name, model in engines],
+            used,
             context.part("collision"),
             context.part("arm_planner"),
             contact_free,
             statistics,
             budget,
+            tolerated,
         )
 
     return SearchParts(
@@ -104,14 +123,16 @@ def _depth_first(context: BuildContext, options: DepthFirstOptions) -> Any:
     from mamo_planners.search.rearrangement import RearrangementSearch
 
     make_order = partial(DepthFirst, clearer=options.clearer)
-    return RearrangementSearch(_search_parts(context), make_order, options)
+    return RearrangementSearch(_search_parts(context, options.uncertainty), make_order, options)
 
 
 def _best_first(context: BuildContext, options: BestFirstOptions) -> Any:
     from mamo_planners.search.orders import order_of
     from mamo_planners.search.rearrangement import RearrangementSearch
 
-    return RearrangementSearch(_search_parts(context), order_of(options), options)
+    return RearrangementSearch(
+        _search_parts(context, options.uncertainty), order_of(options), options
+    )
 
 
 @hookimpl

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 
@@ -23,15 +24,20 @@ from mamo_core.types.solution import Budget, Statistics
 _KEEP = RolloutOptions(keep=True)
 _TRANSIT_SPEED = 0.5
 _HOME_TOLERANCE = 1e-6
+_SIDE_BY_SIDE = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Engine:
-    """An engine that executes the plan, with other masses and frictions if some are given."""
+    """An engine that executes the plan, with other masses and frictions if some are given.
+
+    ``continuous``: it executes everything; otherwise each action from its sweep on, from rest.
+    """
 
     name: str
     model: TransitionModel
     parameters: ParameterOverrides | None = None
+    continuous: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +50,8 @@ class Line:
 
     def after(self, result: RolloutResult, motion: Motion) -> Line:
         """The next motion starts where this one commanded the arm to stop."""
-        return replace(
-            self, state=result.final_state.with_joints(motion.end), token=result.continuation
-        )
+        token = result.continuation if self.engine.continuous else None
+        return replace(self, state=result.final_state.with_joints(motion.end), token=token)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +84,7 @@ class Stand:
 Accept = Callable[[SceneState], bool]
 ContactFree = Callable[[Motion, Sequence[SceneState]], bool]
 """Whether a motion's contact-free segments touch nothing, given the state each starts from."""
-ExecutionFactory = Callable[[Statistics, Budget], "Execution"]
+ExecutionFactory = Callable[[Statistics, Budget, np.random.Generator], "Execution"]
 
 
 class Execution:
@@ -140,23 +145,59 @@ class Execution:
         self, stand: Stand, action: RearrangementAction, accept: Accept | None
     ) -> tuple[Line, ...] | None:
         """The other engines' lines after the action; None if it fails in too many of them."""
-        followed = []
-        for number, line in enumerate(stand.others):
-            result = self._rollout(line, action.motion, _KEEP)
-            if self._good(result, action, accept) and self._free(result, action.motion):
+        followed: list[Line] = []
+        left = len(stand.others)
+        for line, result in self._in_turn(stand.others, action.motion, _KEEP):
+            left -= 1
+            if self._good(result, action, accept) and self._free(line, result, action.motion):
                 followed.append(line.after(result, action.motion))
-            elif not self._enough(len(followed) + len(stand.others) - number - 1):
+            elif not self._enough(len(followed) + left):
                 where = f"not_valid_in_{line.engine.name}"
                 self._stats.failed(action.object_name, action.kind, where)
                 return None
         return tuple(followed)
 
+    def _in_turn(
+        self, lines: Sequence[Line], motion: Motion, options: RolloutOptions | None
+    ) -> Iterator[tuple[Line, RolloutResult]]:
+        """Some at a time, as far as they share a model; what is not asked for is not run."""
+        for _, group in groupby(
+            lines, key=lambda line: (id(line.engine.model), line.engine.continuous)
+        ):
+            same = list(group)
+            for start in range(0, len(same), _SIDE_BY_SIDE):
+                some = same[start : start + _SIDE_BY_SIDE]
+                yield from zip(some, self._batch(some, motion, options), strict=True)
+
+    def _batch(
+        self, lines: Sequence[Line], motion: Motion, options: RolloutOptions | None
+    ) -> list[RolloutResult]:
+        if len(lines) == 1:
+            return [self._rollout(lines[0], motion, options)]
+        jobs = [_job(line, motion) for line in lines]
+        self._stats.counts["rollouts"] += len(lines)
+        with self._stats.timed("rollouts"):
+            results = lines[0].engine.model.rollout_batch(
+                [state for state, _ in jobs],
+                [executed for _, executed in jobs],
+                parameters=[line.engine.parameters for line in lines],
+                options=options if lines[0].engine.continuous else None,
+                continue_from=[line.token for line in lines],
+            )
+        for result in results:
+            self._charge(result)
+        return results
+
     def _enough(self, engines: int) -> bool:
         return engines >= self._needed
 
-    def _free(self, result: RolloutResult, motion: Motion) -> bool:
+    def _free(self, line: Line, result: RolloutResult, motion: Motion) -> bool:
         """Whether a way that was planned for the first engine's poses is free for these, too."""
-        return self._contact_free(motion, result.segment_states)
+        states = result.segment_states
+        if not line.engine.continuous:
+            before = len(motion.segments) - len(states)
+            states = (*([line.state] * before), *states)
+        return self._contact_free(motion, states)
 
     def retrieval_from(
         self, stand: Stand, retrieval: Motion, rng: np.random.Generator
@@ -208,13 +249,13 @@ class Execution:
         self._count_failures(result, "arm", "retrieval")
         if not result.valid:
             return False
-        holding = 0
-        for number, line in enumerate(stand.others):
-            result = self._rollout(line, motion, None)
+        holding, left = 0, len(stand.others)
+        for line, result in self._in_turn(stand.others, motion, None):
+            left -= 1
             self._count_failures(result, "arm", "retrieval")
-            if result.valid and self._free(result, motion):
+            if result.valid and self._free(line, result, motion):
                 holding += 1
-            elif not self._enough(holding + len(stand.others) - number - 1):
+            elif not self._enough(holding + left):
                 self._stats.failed("arm", "retrieval", f"not_valid_in_{line.engine.name}")
                 return False
         return True
@@ -247,18 +288,30 @@ class Execution:
             self._stats.failed(subject, action, cause)
 
     def _rollout(self, line: Line, motion: Motion, options: RolloutOptions | None) -> RolloutResult:
+        state, executed = _job(line, motion)
         self._stats.counts["rollouts"] += 1
         with self._stats.timed("rollouts"):
             result = line.engine.model.rollout(
-                line.state,
-                motion,
+                state,
+                executed,
                 parameters=line.engine.parameters,
                 options=options,
                 continue_from=line.token,
             )
+        self._charge(result)
+        return result
+
+    def _charge(self, result: RolloutResult) -> None:
         self._stats.charge("rollouts", result.outside_cpu)
         self._budget.charge(result.outside_cpu)
-        return result
+
+
+def _job(line: Line, motion: Motion) -> tuple[SceneState, Motion]:
+    """What an engine executes, and from where."""
+    if line.engine.continuous:
+        return line.state, motion
+    sweep = motion.after_transit()
+    return line.state.with_joints(sweep.start), sweep
 
 
 def _broken(result: RolloutResult) -> Iterator[str]:

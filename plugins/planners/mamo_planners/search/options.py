@@ -31,9 +31,34 @@ class GreedyOptions(Options):
     mapf_expansions: int = Field(60_000, ge=1, description="low-level expansions per MAPF call")
 
 
+class Uncertainty(Options):
+    """Masses and frictions are sampled around the problem's own (thesis 6.3.4).
+
+    The search knows the samples alone; it plans from what happens in the first one.
+    """
+
+    simulators: int = Field(6, ge=1, description="the thesis' N")
+    copies: int = Field(2, ge=1, description="the thesis' M; N x M simulations are made")
+    threshold: float = Field(
+        0.9, gt=0.0, le=1.0, description="share of the simulations that must hold, from the start"
+    )
+    mass_spread: float = Field(0.2, ge=0.0, description="standard deviation of a mass, as a share")
+    friction_spread: float = Field(
+        0.5, ge=0.0, description="standard deviation of a friction coefficient, as a share"
+    )
+
+    @property
+    def samples(self) -> int:
+        """Number of simulations of an action."""
+        return self.simulators * self.copies
+
+
 class GraphOptions(Options):
     """Options of all searches over a graph of rearrangements."""
 
+    uncertainty: Uncertainty | None = Field(
+        None, description="sampled masses and frictions instead of the problem's (6.3.4)"
+    )
     lazy: bool = Field(False, description="evaluate actions only when they come first (6.3.3)")
     positive_database: bool = Field(True, description="use valid pushes again (5.5.2)")
     negative_database: bool = Field(True, description="avoid goals near failed ones (5.5.1)")

@@ -18,6 +18,7 @@ from mamo_core.types.mapf import GoalPenalty, MAPFBudget
 from mamo_core.types.motion import Motion
 from mamo_core.types.problem import Problem
 from mamo_core.types.region import SweptRegion
+from mamo_core.types.rollout import ParameterOverrides
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus, Statistics
 from mamo_planners.search.abstraction import mapf_problem, occupancy
@@ -29,7 +30,8 @@ if TYPE_CHECKING:
 Actions = tuple[RearrangementAction, ...]
 Paths = dict[str, Array]
 Penalties = Mapping[str, Sequence[GoalPenalty]]
-Verifier = Callable[[Plan], "VerifyReport"]
+Verifier = Callable[[Plan, ParameterOverrides | None], "VerifyReport"]
+"""Replays a plan, with the masses and frictions that the search believes in."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +70,7 @@ class SearchRun:
     ) -> None:
         self.parts, self.budget, self.rng, self.progress = parts, budget, rng, progress
         self.statistics = Statistics()
-        self.execution: Execution = parts.execution(self.statistics, budget)
+        self.execution: Execution = parts.execution(self.statistics, budget, rng)
         self._mapf_budget, self._goal_margin = mapf_budget, goal_margin
         self._grasp_tries = grasp_tries
 
@@ -114,7 +116,7 @@ class SearchRun:
             return None
         plan = Plan(done, motion, region)
         with self.statistics.timed("verification"):
-            report = self.parts.verifier(plan)
+            report = self.parts.verifier(plan, stand.leading.engine.parameters)
         self.statistics.charge("verification", report.outside_cpu)
         self.budget.charge(report.outside_cpu)
         for failure in report.failures:
