@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, NoReturn
 
 from ruamel.yaml import YAML
@@ -51,8 +52,12 @@ def read_data(text: str, source: str, first_line: int) -> Any:
         return _Reader(source, first_line).document(text)
 
 
+@lru_cache(maxsize=8)
 def read_places(text: str, source: str, first_line: int) -> Places:
-    """Where everything stands in a document that ``read_data`` accepts."""
+    """Where everything stands in a document that ``read_data`` accepts.
+
+    Every part of a recipe asks for it, and reading YAML is slow.
+    """
     reader = _Reader(source, first_line)
     reader.document(text)
     return Places(reader.values, reader.keys)

@@ -14,7 +14,7 @@ from pydantic_core import CoreSchema
 from mamo_core.config import Located, load_file, validated
 from mamo_core.errors import InputError, suggestion
 
-DEFAULT_RECIPE = "m4m"
+DEFAULT_RECIPE = "default"
 SCHEMA_VERSION = 1
 SUFFIXES = (".yaml", ".yml", ".json")
 

@@ -17,7 +17,7 @@ def compare(
     ] = "mujoco,pybullet,dart",
     planner: Annotated[
         str, typer.Option(metavar="NAME|FILE", help="Recipe with which problems are planned.")
-    ] = "m4m",
+    ] = "default",
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="Change the recipe; may be repeated."),

@@ -17,6 +17,7 @@ from mamo_core.plan_file import is_plan_file, read_plan
 from mamo_core.plugins import Registry, discover
 from mamo_core.problems import load_problem
 from mamo_core.recipe_sets import chosen_recipe
+from mamo_core.recipes import DEFAULT_RECIPE
 from mamo_core.types.problem import Problem
 from mamo_core.types.solution import Plan
 from mamo_core.warmup import load_kernels
@@ -35,7 +36,7 @@ class CompareOrder:
 
     subjects: tuple[str, ...]
     backends: tuple[str, ...]
-    planner: str = "m4m"
+    planner: str = DEFAULT_RECIPE
     settings: tuple[str, ...] = ()
     budget: float = 60.0
     seed: int = 0

@@ -12,7 +12,7 @@ def plan(
     problem: Annotated[str, typer.Argument(metavar="PROBLEM[#id]", help="Problem file.")],
     planner: Annotated[
         str, typer.Option(metavar="NAME|FILE", help="Recipe: one of ours, or a YAML file.")
-    ] = "m4m",
+    ] = "default",
     backend: Annotated[
         str | None, typer.Option(metavar="NAME", help="Physics engine, instead of the recipe's.")
     ] = None,

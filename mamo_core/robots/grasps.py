@@ -77,14 +77,14 @@ def side_grasps(
     """Side grasps of an upright ``shape``; empty if no face fits between the fingers.
 
     Boxes are held across each face that is narrow enough, cylinders from 16 sides. Yaws are in
-    the object's frame; those nearest ``first_yaw`` (rad) come first, and for each yaw the
-    ``heights`` (m above the bottom) in their order. The fingers open wider than the object as far
-    as they can; whether they clear the object then is for the planner to check.
+    the object's frame; ``heights`` (m above the bottom) come in their order, and for each the yaws
+    nearest ``first_yaw`` (rad) first. The fingers open wider than the object as far as they can;
+    whether they clear the object then is for the planner to check.
     """
     return tuple(
         _grasp(shape, hand, yaw, depth, height, min(width + hand.clearance, hand.opening))
-        for yaw, depth, width in _fitting(shape, hand, first_yaw)
         for height in _heights(shape.height, heights)
+        for yaw, depth, width in _fitting(shape, hand, first_yaw)
     )
 
 

@@ -329,10 +329,14 @@ def _stamp(
     i1 = min(int(np.floor((x + r - origin[0]) / resolution)), nx - 1)
     j0 = max(int(np.floor((y - r - origin[1]) / resolution)), 0)
     j1 = min(int(np.floor((y + r - origin[1]) / resolution)), ny - 1)
+    bottom = z - r
     for i in range(i0, i1 + 1):
         left = origin[0] + i * resolution
         dx = max(left - x, x - left - resolution, 0.0)
         for j in range(j0, j1 + 1):
+            # The arm comes back the way it went: most cells are as low already.
+            if lowest[i, j] <= bottom:
+                continue
             near_side = origin[1] + j * resolution
             dy = max(near_side - y, y - near_side - resolution, 0.0)
             rest = r * r - dx * dx - dy * dy

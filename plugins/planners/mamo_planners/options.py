@@ -13,7 +13,7 @@ class RetrievalOptions(Options):
     """Options of ``grasp_and_extract``."""
 
     grasps: int = Field(
-        1000, ge=1, description="the problem's grasps are looked at until so many work"
+        8, ge=1, description="the problem's grasps are looked at, in its order, until so many work"
     )
     branches: int = Field(8, ge=1, description="arm configurations tried per grasp")
     lift: float = Field(0.075, gt=0.0, le=0.3, description="largest lift of the target, m")

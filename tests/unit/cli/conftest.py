@@ -86,7 +86,7 @@ def fake_what_is_slow(monkeypatch):
     )
     monkeypatch.setattr(mamo_core.robots, "load_arm", lambda name: robot)
 
-    def verify(problem, plan, model, robot):
+    def verify(problem, plan, model, robot, parameters=None):
         failures = ("tilt: o1 at 1.000 s",) if model.breaks else ()
         return VerifyReport(failures, None)
 
