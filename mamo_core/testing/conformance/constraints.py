@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.testing.conformance.bench import Bench, require
-from mamo_core.testing.conformance.scenery import box, line, motion, on_a_board, placed, tool
+from mamo_core.testing.conformance.scenery import ALL, box, line, motion, on_a_board, placed, tool
 from mamo_core.testing.gantry_arm import FOOT
 from mamo_core.testing.transition_cases import standard_constraints
 from mamo_core.types.geometry import Box, make_pose
@@ -17,7 +16,6 @@ from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import RolloutResult, Violation
 from mamo_core.types.scene import Fixture, Mobility, SceneObject
 
-ALL = RolloutOptions(stop_early=False)
 ONSET = 0.06
 """An onset may be reported this long (s) before or after the computed time."""
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
 from mamo_core.testing.conformance.bench import Bench, fail, require
+from mamo_core.testing.conformance.scenery import ALL
 from mamo_core.testing.transition_cases import merged, standard_constraints
 from mamo_core.types.motion import Motion, Trajectory
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import SceneState
 
-ALL = RolloutOptions(stop_early=False)
 HEAVIER, ROUGHER = 120.0, 3.0
 """Factors of the overridden mass and friction."""
 

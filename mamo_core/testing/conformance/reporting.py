@@ -6,7 +6,8 @@ import numpy as np
 
 from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.testing.conformance.bench import Bench, require
-from mamo_core.testing.conformance.repeatability import ALL, new_model, require_same
+from mamo_core.testing.conformance.repeatability import new_model, require_same
+from mamo_core.testing.conformance.scenery import ALL
 from mamo_core.testing.transition_cases import shift_along
 from mamo_core.types.rollout import RolloutResult
 from mamo_core.types.scene import displacements

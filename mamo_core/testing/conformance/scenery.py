@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.testing.gantry import GANTRY
 from mamo_core.types.geometry import Array, Box, make_pose
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
@@ -20,6 +21,10 @@ from mamo_core.types.scene import (
 )
 
 GRAVITY = 9.81
+FRICTION = 0.5
+"""Of boxes, unless a check needs another."""
+
+ALL = RolloutOptions(stop_early=False)
 PARKED = np.array([0.0, 0.0, 1.5, 0.0])
 """The tool far above everything."""
 

@@ -6,11 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from mamo_core.testing.conformance import (
+    arm,
     constraints,
+    friction,
     isolation,
-    physics,
     repeatability,
     reporting,
+    standing,
 )
 from mamo_core.testing.conformance.bench import Bench
 
@@ -84,78 +86,76 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "forward_kinematics",
         "the tool is where our kinematics has it",
-        physics.forward_kinematics,
+        arm.forward_kinematics,
         "tool_pose",
         grade="within 1e-6",
     ),
     Check(
         "rest",
         "objects at rest stay for 5 s",
-        physics.rest,
+        standing.rest,
         _D,
         grade="within 0.2 mm and 0.2 deg",
     ),
     Check(
         "stacks",
         "stacked and leaning objects stay",
-        physics.stacks,
+        standing.stacks,
         _D,
         grade="within 2 mm and 1 deg",
     ),
     Check(
         "sliding",
         "boxes slide as far as friction lets them, at 0, 22.5 and 45 degrees",
-        physics.sliding,
+        friction.sliding,
         _D,
         grade="within 6 %",
     ),
     Check(
         "tipping",
         "low pushes slide a box, high pushes tip it",
-        physics.tipping,
+        standing.tipping,
         _D,
         grade="within a factor of 2.2",
     ),
     Check(
         "incline",
         "a box slides from the friction angle on",
-        physics.incline,
+        friction.incline,
         _D,
         grade="within 10 %",
     ),
     Check(
         "object_friction",
         "between two objects friction is the product",
-        physics.object_friction,
+        friction.object_friction,
         "friction_product",
         grade="within 30 %",
     ),
     Check(
         "fixture_friction",
         "a fixture's friction multiplies the object's",
-        physics.fixture_friction,
+        friction.fixture_friction,
         "friction_product",
         grade="within 10 %",
     ),
     Check(
         "half_friction",
         "half the friction, twice the way",
-        physics.half_friction,
+        friction.half_friction,
         _D,
         grade="within 10 %",
     ),
     Check(
         "double_mass",
         "twice the mass shoves farther",
-        physics.double_mass,
+        friction.double_mass,
         _D,
         grade="approximated",
     ),
-    Check(
-        "attachment", "a held object follows the hand", physics.attachment, _D, grade="within 5 mm"
-    ),
-    Check("tracking", "the arm follows its trajectory", physics.tracking, _D, grade="within 20 mm"),
-    Check("stall", "an arm that cannot go on is reported", physics.stall, _D, grade="within 12 cm"),
+    Check("attachment", "a held object follows the hand", arm.attachment, _D, grade="within 5 mm"),
+    Check("tracking", "the arm follows its trajectory", arm.tracking, _D, grade="within 20 mm"),
+    Check("stall", "an arm that cannot go on is reported", arm.stall, _D, grade="within 12 cm"),
     Check(
         "robot_touches_immovable",
         "contact of robot and immovable, at its time",

@@ -1,16 +1,13 @@
-"""Coulomb friction, rest, tipping: figures that can be computed by hand."""
+"""Coulomb friction and inertia: figures that can be computed by hand."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 
 from mamo_core.interfaces.transition_model import RolloutOptions
-from mamo_core.robots.kinematics import link_transforms
-from mamo_core.robots.library import load_arm
 from mamo_core.testing.conformance.bench import Bench, require
 from mamo_core.testing.conformance.scenery import (
+    FRICTION,
     GRAVITY,
     box,
     heading,
@@ -19,114 +16,21 @@ from mamo_core.testing.conformance.scenery import (
     on_a_board,
     placed,
     still,
-    tilt_deg,
     tool,
 )
 from mamo_core.testing.gantry_arm import FOOT
-from mamo_core.types.geometry import (
-    Array,
-    BoolArray,
-    Box,
-    Cylinder,
-    make_pose,
-    matrix_from_pose,
-    quat_from_rotation,
-)
+from mamo_core.types.geometry import Array, BoolArray, Box, make_pose, quat_from_rotation
 from mamo_core.types.motion import MotionSegment
-from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ParameterOverrides
-from mamo_core.types.scene import Fixture, Mobility, SceneObject, SceneState
+from mamo_core.types.scene import Fixture
 
-FK_TOLERANCE = 1e-6
-DRIFT, TURN = 2e-4, 0.2
-"""Objects at rest stay within this for 5 s: m, degrees."""
-
-STACK_DRIFT, STACK_TURN = 2e-3, 1.0
-FRICTION, SPEED = 0.5, 0.5
+SPEED = 0.5
 SLIDE = 0.06
 """Sliding distances are right within this share."""
 
 _GRID = 0.005
 _ON_TOP = 0.3
 """Coefficients measured on a box that shakes a little are right within this share."""
-
-ALL = RolloutOptions(stop_early=False)
-
-
-def forward_kinematics(bench: Bench) -> str:
-    worst = 0.0
-    for name in ("pr2_right_arm", "panda"):
-        arm = load_arm(name)
-        rng = np.random.default_rng(0)
-        base = make_pose([0.3, -0.2, 0.4], 0.5)
-        problem = _with_robot(name, base, arm.home)
-        model = bench.make(problem, arm, ())
-        for _ in range(10):
-            q = rng.uniform(arm.lower, arm.upper)
-            state = problem.initial.with_joints(q)
-            T = matrix_from_pose(base) @ link_transforms(arm, q, arm.gripper.closed)[arm.tool_link]
-            gap = np.abs(matrix_from_pose(model.tool_pose(state)) - T).max()
-            worst = max(worst, float(gap))
-    require(worst < FK_TOLERANCE, f"the tool is {worst:.1e} m (or rad) off (most {FK_TOLERANCE})")
-    return f"{worst:.1e}"
-
-
-def _with_robot(name: str, base: Array, home: Array) -> Problem:
-    """A target on a board, and the robot beside it."""
-    problem = on_a_board()
-    scene = replace(problem.scene, robot=name, T_world_base=base)
-    initial = SceneState(home, problem.initial.object_poses)
-    return replace(problem, scene=scene, initial=initial, home=home)
-
-
-def rest(bench: Bench) -> str:
-    can = SceneObject("can", Cylinder(0.04, 0.18), Mobility.MOVABLE, 0.2, 0.9)
-    problem = on_a_board(
-        placed(box("tall", (0.07, 0.09, 0.24), 0.1, 1.0), 0.0, 0.0, 0.4),
-        placed(box("heavy", (0.12, 0.08, 0.15), 0.5, 0.8), 0.4, 0.0),
-        placed(can, 0.0, 0.4),
-    )
-    result = bench.make(problem, bench.arm, ()).rollout(problem.initial, still(5.0))
-    shift, turn = _largest_change(problem, result.final_state)
-    require(shift < DRIFT, f"an object drifted by {1e3 * shift:.3f} mm in 5 s (most 0.2)")
-    require(turn < TURN, f"an object turned by {turn:.3f} degrees in 5 s (most 0.2)")
-    return f"{1e3 * shift:.3f} mm, {turn:.3f} deg"
-
-
-def stacks(bench: Bench) -> str:
-    low, high = box("low", (0.12, 0.12, 0.10)), box("high", (0.08, 0.08, 0.12))
-    plank, angle = box("plank", (0.02, 0.10, 0.20), 0.1, 0.9), np.radians(15.0)
-    pose_of_high = make_pose([0.0, 0.0, 0.16], 0.3)
-    leaning = _leaning(plank, angle)
-    wall = Fixture("wall", Box(np.array([0.1, 0.4, 0.4])), make_pose([0.75, 0.0, 0.2]))
-    problem = on_a_board(
-        placed(low, 0.0, 0.0), (high, pose_of_high), (plank, leaning), fixtures=[wall]
-    )
-    result = bench.make(problem, bench.arm, ()).rollout(problem.initial, still(1.5))
-    shift, turn = _largest_change(problem, result.final_state)
-    require(shift < STACK_DRIFT, f"an object moved by {1e3 * shift:.2f} mm (most 2)")
-    require(turn < STACK_TURN, f"an object turned by {turn:.2f} degrees (most 1)")
-    return f"{1e3 * shift:.2f} mm, {turn:.2f} deg"
-
-
-def _leaning(plank: SceneObject, angle: float) -> Array:
-    """Leaning towards +x with its upper edge at the wall, which begins at x = 0.70."""
-    shape = plank.shape
-    assert isinstance(shape, Box)
-    rotation = np.array(
-        [
-            [np.cos(angle), 0.0, np.sin(angle)],
-            [0.0, 1.0, 0.0],
-            [-np.sin(angle), 0.0, np.cos(angle)],
-        ]
-    )
-    half = shape.size / 2.0
-    corners = rotation @ np.array([[sx * half[0], 0.0, sz * half[2]] for sx, sz in _SIDES]).T
-    position = [0.70 - corners[0].max(), 0.0, -corners[2].min()]
-    return np.concatenate([position, quat_from_rotation(rotation)])
-
-
-_SIDES = ((1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
 def sliding(bench: Bench) -> str:
@@ -210,26 +114,6 @@ def _stay(where: Array, seconds: float) -> MotionSegment:
     return still(seconds, where).segments[0]
 
 
-def tipping(bench: Bench) -> str:
-    width, height = 0.08, 0.24
-    critical = width / (2.0 * FRICTION)
-    tilts = []
-    for share, name in ((0.45, "low"), (2.2, "high")):
-        item = box(name, (width, 0.10, height), 0.3, FRICTION)
-        start = tool(-0.10, 0.0, share * critical - 0.01)
-        problem = on_a_board(placed(item, 0.0, 0.0), start=start)
-        push = motion(line(start, start + 0.09 * heading(0.0), 0.1))
-        result = bench.make(problem, bench.arm, ()).rollout(problem.initial, push, options=ALL)
-        pose = result.final_state.object_poses[0]
-        tilts.append(tilt_deg(pose))
-        if name == "low":
-            require(pose[0] > 0.02, f"a box pushed below {critical} m did not slide")
-    low, high = tilts
-    require(low < 3.0, f"a box pushed at 0.45 of the critical height tilts by {low:.1f} degrees")
-    require(high > 8.0, f"a box pushed at 2.2 times that height tilts by {high:.1f} degrees only")
-    return f"{low:.1f} deg below, {high:.1f} deg above"
-
-
 def incline(bench: Bench) -> str:
     return _starts_to_slide(bench, FRICTION, 1.0)
 
@@ -292,56 +176,6 @@ def _about_y(angle: float) -> Array:
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
-def attachment(bench: Bench) -> str:
-    start = tool(0.0, 0.0, 0.15)
-    problem = on_a_board(placed(box("b", (0.06, 0.06, 0.12)), 0.0, 0.0), start=start)
-    raised, over = start + tool(0, 0, 0.1), start + tool(0.2, 0.1, 0.1)
-    lowered = start + tool(0.2, 0.1, 0.0)
-    carry = motion(
-        line(start, raised, 0.3, held="b"),
-        line(raised, over, 0.3, held="b"),
-        line(over, lowered, 0.3, held="b"),
-        line(lowered, lowered + tool(0, 0, 0.2), 0.5, settle=0.5),
-    )
-    result = bench.make(problem, bench.arm, ()).rollout(problem.initial, carry, options=ALL)
-    in_hand = result.segment_states[2].object_poses[0, :3]
-    off = float(np.linalg.norm(in_hand - [0.2, 0.1, 0.16]))
-    require(off < 5e-3, f"the held object is {1e3 * off:.1f} mm away from where the hand is")
-    after = result.final_state.object_poses[0]
-    left = float(np.linalg.norm(after[:2] - [0.2, 0.1]))
-    require(left < 1e-2, f"the object was put down {1e3 * left:.1f} mm away")
-    require(abs(after[2] - 0.06) < 5e-3, "the object was not let go")
-    return f"{1e3 * off:.2f} mm"
-
-
-def tracking(bench: Bench) -> str:
-    start = tool(0.0, 0.0, 1.0)
-    path = motion(line(start, start + tool(0.5, 0.3, 0.2), 0.5))
-    problem = on_a_board(start=start)
-    options = RolloutOptions(trace_step=0.02)
-    result = bench.make(problem, bench.arm, ()).rollout(problem.initial, path, options=options)
-    trace = result.trace
-    require(trace is not None, "a trace was asked for")
-    assert trace is not None
-    wanted = path.segments[0].trajectory.at(trace.times)
-    lag = float(np.abs(trace.joints - wanted).max())
-    require(lag < 0.02, f"the arm lags by {1e3 * lag:.1f} mm (most 20)")
-    return f"{1e3 * lag:.2f} mm"
-
-
-def stall(bench: Bench) -> str:
-    start = tool(0.0, 0.0, 0.3)
-    wall = Fixture("wall", Box(np.array([0.1, 1.0, 1.0])), make_pose([0.2, 0.0, 0.5]))
-    problem = on_a_board(start=start, fixtures=[wall])
-    drive = motion(line(start, start + tool(0.6, 0.0, 0.0), 0.4))
-    result = bench.make(problem, bench.arm, ()).rollout(problem.initial, drive, options=ALL)
-    require(result.stalled, "the arm drives into a wall and is not reported as stalled")
-    where = float(result.final_state.joint_positions[0])
-    require(where < 0.25, f"the arm went {1e2 * (where - 0.13):.0f} cm into the wall")
-    require(result.duration < drive.duration, "a stalled rollout went on to the end")
-    return f"after {result.duration:.2f} s"
-
-
 def half_friction(bench: Bench) -> str:
     (whole,) = slide_distances(bench, (0.0,)).values()
     half = ParameterOverrides({}, {"b0": FRICTION / 2.0})
@@ -370,12 +204,3 @@ def double_mass(bench: Bench) -> str:
     ratio = (far[1] - 0.03) / (far[0] - 0.03)
     require(ratio > 1.25, f"a box of twice the mass shoves another {ratio:.2f} times as far")
     return f"{ratio:.2f} times as far"
-
-
-def _largest_change(problem: Problem, final: SceneState) -> tuple[float, float]:
-    """Largest shift (m) and turn (degrees) of any object."""
-    before, after = problem.initial.object_poses, final.object_poses
-    shift = float(np.linalg.norm(after[:, :3] - before[:, :3], axis=1).max())
-    overlap = np.abs((after[:, 3:] * before[:, 3:]).sum(axis=1))
-    turn = float(np.degrees(2.0 * np.arccos(np.clip(overlap, 0.0, 1.0))).max())
-    return shift, turn
