@@ -20,6 +20,9 @@ __all__ = ["HANDS", "HEIGHTS", "LEAST_CLEARANCE", "Hand", "default_grasps", "han
 MORE_HEIGHTS = (0.18, 0.2, 0.105, 0.135, 0.05)
 """Tool heights above the bottom for places where the usual ones do not work, m."""
 
+DIPS = (0.25, 0.5, 0.15, 0.35)
+"""How far the hand is dipped, rad."""
+
 
 def default_grasps(target: SceneObject, hand: Hand, *, first_yaw: float = 0.0) -> tuple[Grasp, ...]:
     """Grasps of an upright ``target``, those that work most often first.
@@ -32,5 +35,5 @@ def default_grasps(target: SceneObject, hand: Hand, *, first_yaw: float = 0.0) -
     return (
         *side_grasps(shape, hand, first_yaw=first_yaw),
         *(side_grasps(shape, hand, first_yaw=first_yaw, heights=others) if others else ()),
-        *dipped_grasps(shape, hand, first_yaw=first_yaw),
+        *dipped_grasps(shape, hand, first_yaw=first_yaw, pitches=DIPS),
     )

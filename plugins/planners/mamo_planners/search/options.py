@@ -86,7 +86,7 @@ class GraphOptions(Options):
         description="a new NGR starts from all rearrangements found so far, not from the first",
     )
     hopeless_regions: int = Field(
-        6, ge=1, description="NGRs without any retrieval, movables ignored, before giving up"
+        25, ge=1, description="NGRs without any retrieval, movables ignored, before giving up"
     )
     draws: int = Field(
         4, ge=1, description="retrievals drawn for the first NGR, the emptiest one is taken; then 1"
