@@ -81,10 +81,6 @@ class GraphOptions(Options):
     regions: int = Field(
         1000, ge=1, description="NGRs searched one after the other (the thesis: 1; 7.1.1)"
     )
-    carry_over: bool = Field(
-        True,
-        description="a new NGR starts from all rearrangements found so far, not from the first",
-    )
     hopeless_regions: int = Field(
         25, ge=1, description="NGRs without any retrieval, movables ignored, before giving up"
     )
