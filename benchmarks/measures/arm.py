@@ -11,7 +11,8 @@ from mamo_core.compose import BuildContext
 from mamo_core.interfaces.arm_planner import ArmPlan
 from mamo_core.interfaces.collision_checker import CollisionWorld
 from mamo_core.plugins import Registry
-from mamo_core.problems.grasps import default_grasps, hand_of
+from mamo_core.problems.grasps import default_grasps
+from mamo_core.robots.grasps import hand_of
 from mamo_core.types.geometry import Array, matrix_from_pose
 from measures.common import Measured, cpu_seconds, shelves
 

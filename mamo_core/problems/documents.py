@@ -10,7 +10,7 @@ import numpy as np
 from mamo_core.config import Located, validated
 from mamo_core.errors import InputError, suggestion
 from mamo_core.problems.checks import complaints
-from mamo_core.problems.grasps import default_grasps, hand_of
+from mamo_core.problems.grasps import default_grasps
 from mamo_core.problems.schema import (
     SCHEMA_VERSION,
     GraspEntry,
@@ -18,6 +18,7 @@ from mamo_core.problems.schema import (
     PoseEntry,
     ProblemDocument,
 )
+from mamo_core.robots.grasps import hand_of
 from mamo_core.robots.specs import SPECS
 from mamo_core.types.geometry import Array, frozen_array, make_pose, shape_document, yaw_of
 from mamo_core.types.problem import DEFAULT_CONSTRAINTS, ConstraintSpec, Grasp, Problem

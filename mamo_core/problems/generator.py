@@ -19,7 +19,6 @@ import numpy as np
 from mamo_core.errors import InputError, suggestion
 from mamo_core.problems.documents import automatic_grasps
 from mamo_core.problems.footprints import Footprint, extents, footprint, separation
-from mamo_core.problems.grasps import LEAST_CLEARANCE, hand_of
 from mamo_core.problems.importers import (
     HOME,
     INTERIOR_LOWER,
@@ -28,6 +27,7 @@ from mamo_core.problems.importers import (
     ROBOT,
     thesis_workspace,
 )
+from mamo_core.robots.grasps import LEAST_CLEARANCE, hand_of
 from mamo_core.types.geometry import Array, Box, Cylinder, Shape, make_pose
 from mamo_core.types.problem import Problem
 from mamo_core.types.scene import (

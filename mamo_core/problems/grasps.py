@@ -2,20 +2,9 @@
 
 from __future__ import annotations
 
-from mamo_core.robots.grasps import (
-    HANDS,
-    HEIGHTS,
-    LEAST_CLEARANCE,
-    TOP_GAP,
-    Hand,
-    dipped_grasps,
-    hand_of,
-    side_grasps,
-)
+from mamo_core.robots.grasps import TOP_GAP, Hand, dipped_grasps, side_grasps
 from mamo_core.types.problem import Grasp
 from mamo_core.types.scene import SceneObject
-
-__all__ = ["HANDS", "HEIGHTS", "LEAST_CLEARANCE", "Hand", "default_grasps", "hand_of"]
 
 MORE_HEIGHTS = (0.18, 0.2, 0.105, 0.135, 0.05)
 """Tool heights above the bottom for places where the usual ones do not work, m."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mamo_core.problems.grasps import default_grasps, hand_of
+from mamo_core.problems.grasps import default_grasps
 from mamo_core.problems.thesis import Board, Body, ThesisScene
+from mamo_core.robots.grasps import hand_of
 from mamo_core.types.geometry import Box, Cylinder, Shape, make_pose
 from mamo_core.types.problem import Problem
 from mamo_core.types.scene import (

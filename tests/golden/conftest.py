@@ -1,6 +1,5 @@
 """Searches among fakes: a plan takes milliseconds, and every call is counted."""
 
-from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -79,7 +78,7 @@ def greedy(parts, options):
 
 def depth_first(parts, options):
     chosen = DepthFirstOptions(**{"regions": 2, **options})
-    return RearrangementSearch(parts, partial(DepthFirst, clearer=chosen.clearer), chosen)
+    return RearrangementSearch(parts, lambda problem, region: DepthFirst(), chosen)
 
 
 def best_first(parts, options):

@@ -252,37 +252,53 @@ def test_no_budget(search_of):
     assert solution.statistics.counts["rollouts"] == 0
 
 
-class Drifting(StraightPush):
-    """Stored pushes do something else when they are executed again."""
-
-    def propose(self, state, request, rng, statistics):
-        for action in super().propose(state, request, rng, statistics):
-            yield replace(action, info={"own": 1.0})
-
-
-def test_what_the_database_says_is_executed_before_it_counts(search_of):
-    problem = two_blockers().problem
-    options = {"order": "breadth_first", "expansions": 1, "agnostic": 0}
-    search = search_of(problem, kind="best_first", **options)
-    after = search.search._parts.execution
-    asked = []
+def spied(search, executed):
+    """The search, with ``executed(real, stand, action, accept)`` in place of the execution's."""
+    make = search.search._parts.execution
 
     def execution(*arguments):
-        made = after(*arguments)
-        executed = made.after
-
-        def spy(stand, action, accept):
-            asked.append((stand.predicted, action.object_name))
-            return executed(stand, action, accept)
-
-        made.after = spy
+        made = make(*arguments)
+        real = made.executed
+        made.executed = lambda stand, action, accept: executed(real, stand, action, accept)
         return made
 
     search.search._parts = replace(search.search._parts, execution=execution)
-    solution = search.solve()
-    assert solution.statistics.counts["database_hits"] >= 1
-    assert not any(predicted for predicted, _ in asked)
-    assert len(asked) > len(solution.plan.actions)
+    return search
+
+
+DATABASE = {"kind": "best_first", "order": "breadth_first", "expansions": 1, "agnostic": 0}
+
+
+def test_what_the_database_says_is_executed_before_it_counts(search_of):
+    from_where = []
+
+    def executed(real, stand, action, accept):
+        from_where.append(stand.predicted)
+        return real(stand, action, accept)
+
+    solution = spied(search_of(two_blockers().problem, **DATABASE), executed).solve()
+    counts = solution.statistics.counts
+    assert counts["database_hits"] >= 1
+    assert not any(from_where)
+    # Alone and in line; a hit that is expanded in line only; and the retrieval.
+    assert counts["rollouts"] == counts["valid_rollouts"] + len(from_where) + 1
+
+
+def test_what_the_database_says_may_be_refuted(search_of):
+    """A push that does not do again what it did ends there, and leaves its place to others."""
+    seen = []
+
+    def executed(real, stand, action, accept):
+        again = any(action.motion.segments[1] is other for other in seen)
+        seen.append(action.motion.segments[1])
+        return None if again else real(stand, action, accept)
+
+    solution = spied(search_of(two_blockers().problem, regions=1, **DATABASE), executed).solve()
+    counts = solution.statistics.counts
+    assert counts["database_refuted"] == counts["database_hits"] == 2
+    assert counts["duplicates"] == 0
+    assert solution.plan is None
+    assert solution.reason == "nothing is left to try"
 
 
 def exactly(simulators=1, copies=1, threshold=1.0):

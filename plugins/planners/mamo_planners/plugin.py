@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mamo_core.hookspecs import Component, hookimpl
@@ -28,43 +27,33 @@ if TYPE_CHECKING:
 _CONTINUED = {"backend": frozenset({"exact_continuation"})}
 
 
-def _retrieval(context: BuildContext, options: RetrievalOptions) -> Any:
-    from mamo_planners.retrieval import GraspAndExtract
-
-    return GraspAndExtract(
+def _arm_parts(context: BuildContext) -> tuple[Any, Any, Any, Any, Any]:
+    """What everything that moves the arm starts with."""
+    return (
         context.problem,
         context.robot,
         context.part("kinematics"),
         context.part("collision"),
         context.part("arm_planner"),
-        options,
     )
+
+
+def _retrieval(context: BuildContext, options: RetrievalOptions) -> Any:
+    from mamo_planners.retrieval import GraspAndExtract
+
+    return GraspAndExtract(*_arm_parts(context), options)
 
 
 def _push(context: BuildContext, options: PushOptions) -> Any:
     from mamo_planners.actions.push import Push
 
-    return Push(
-        context.problem,
-        context.robot,
-        context.part("kinematics"),
-        context.part("collision"),
-        context.part("arm_planner"),
-        options,
-    )
+    return Push(*_arm_parts(context), options)
 
 
 def _pick_place(context: BuildContext, options: PickPlaceOptions) -> Any:
     from mamo_planners.actions.pick_place import PickPlace
 
-    return PickPlace(
-        context.problem,
-        context.robot,
-        context.part("kinematics"),
-        context.part("collision"),
-        context.part("arm_planner"),
-        options,
-    )
+    return PickPlace(*_arm_parts(context), options)
 
 
 def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None) -> SearchParts:
@@ -122,8 +111,8 @@ def _depth_first(context: BuildContext, options: DepthFirstOptions) -> Any:
     from mamo_planners.search.orders import DepthFirst
     from mamo_planners.search.rearrangement import RearrangementSearch
 
-    make_order = partial(DepthFirst, clearer=options.clearer)
-    return RearrangementSearch(_search_parts(context, options.uncertainty), make_order, options)
+    parts = _search_parts(context, options.uncertainty)
+    return RearrangementSearch(parts, lambda problem, region: DepthFirst(), options)
 
 
 def _best_first(context: BuildContext, options: BestFirstOptions) -> Any:

@@ -5,7 +5,7 @@ from itertools import islice, pairwise
 
 import numpy as np
 import pytest
-from mamo_planners.actions.pick_place import PickPlace, robot_touched
+from mamo_planners.actions.pick_place import PickPlace
 from mamo_planners.options import PickPlaceOptions
 
 from mamo_core.compose import build_parts, choose
@@ -126,8 +126,8 @@ def test_the_object_ends_where_it_was_asked_to_be(context, executed):
 
 def test_the_fingers_and_nothing_else_touch(context, executed):
     name, _, result = executed
-    assert robot_touched(result, name)
-    assert not robot_touched(result, "target")
+    assert ("robot", name) in result.contacts
+    assert ("robot", "target") not in result.contacts
     others = {frozenset(pair) for pair in result.contacts if name not in pair}
     assert not any("robot" in pair for pair in others)
 

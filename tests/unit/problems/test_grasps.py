@@ -4,13 +4,8 @@ import numpy as np
 import pytest
 
 from mamo_core.errors import InputError
-from mamo_core.problems.grasps import (
-    HANDS,
-    HEIGHTS,
-    Hand,
-    default_grasps,
-    hand_of,
-)
+from mamo_core.problems.grasps import default_grasps
+from mamo_core.robots.grasps import HANDS, HEIGHTS, Hand, hand_of
 from mamo_core.robots.library import load_arm
 from mamo_core.types.geometry import Box, Cylinder, Shape, matrix_from_pose, yaw_of
 from mamo_core.types.scene import Mobility, SceneObject

@@ -3,8 +3,8 @@
 Only the end of a path counts, and where the object does not fit there a free place near it may do;
 without a path it goes to any free place outside the region.
 By construction the fingers close on the object: they are commanded to less than its width, one on
-each side of it. A rollout shows it, too: ``robot_touched``. Everything but closing on the object
-and letting go of it is planned free of contacts, and the verifier checks that on exact meshes.
+each side of it, and the verifier checks on exact meshes that they do. Everything but closing on the
+object and letting go of it is planned free of contacts, which the verifier checks, too.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ from mamo_core.robots.model import ArmModel
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import Array, z_axes
 from mamo_core.types.problem import Problem
-from mamo_core.types.rollout import RolloutResult
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Statistics
 from mamo_planners.actions.grasp_set import GraspSet, grasps_of
@@ -31,11 +30,6 @@ from mamo_planners.actions.placement import FreeSpots, moved_to, turns
 from mamo_planners.options import PickPlaceOptions
 
 _KIND = "pick_place"
-
-
-def robot_touched(result: RolloutResult, name: str) -> bool:
-    """Whether the arm touched the object ``name`` in a rollout."""
-    return any(set(pair) == {"robot", name} for pair in result.contacts)
 
 
 class PickPlace(ActionGenerator):

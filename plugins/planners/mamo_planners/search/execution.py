@@ -72,13 +72,10 @@ class Stand:
 
     def believed(self, state: SceneState) -> Stand:
         """Every engine is said to be in ``state``, at rest."""
-        leading, *others = (replace(n, state=state, token=None) for n in self.lines)
+        leading, *others = (
+            replace(line, state=state, token=None) for line in (self.leading, *self.others)
+        )
         return Stand(leading, tuple(others), predicted=True)
-
-    @property
-    def lines(self) -> tuple[Line, ...]:
-        """All of them."""
-        return (self.leading, *self.others)
 
 
 Accept = Callable[[SceneState], bool]
@@ -132,6 +129,12 @@ class Execution:
         if not self._good(trial, action, accept):
             return None
         self._stats.counts["valid_rollouts"] += 1
+        return self.executed(stand, action, accept)
+
+    def executed(
+        self, stand: Stand, action: RearrangementAction, accept: Accept | None
+    ) -> Stand | None:
+        """As ``after``, for an action that is expected to be valid: it is not tried alone."""
         whole = self._rollout(stand.leading, action.motion, _KEEP)
         if not self._good(whole, action, accept):
             self._stats.failed(action.object_name, action.kind, "not_reproduced")
@@ -139,7 +142,7 @@ class Execution:
         others = self._elsewhere(stand, action, accept)
         if others is None:
             return None
-        return Stand(stand.leading.after(whole, action.motion), others, stand.predicted)
+        return Stand(stand.leading.after(whole, action.motion), others)
 
     def _elsewhere(
         self, stand: Stand, action: RearrangementAction, accept: Accept | None

@@ -71,7 +71,7 @@ class RearrangementGraph:
 
         That the target cannot be taken out at the root is known.
         """
-        self._insert(root, (), None).retrieval_tried = True
+        self._insert(root, (), None)
         visits = 0
         while self._open and visits < self._rules.visits and not self._run.budget.exhausted:
             _, _, first = heapq.heappop(self._open)
@@ -103,7 +103,9 @@ class RearrangementGraph:
     def _confirm(self, vertex: Vertex) -> bool:
         """Execute an action that was taken from the database."""
         assert vertex.parent is not None, "the root is not predicted"
-        stand = self._run.execution.after(vertex.parent.stand, vertex.actions[-1], None)
+        if self._is_known(vertex.stand):
+            return False
+        stand = self._run.execution.executed(vertex.parent.stand, vertex.actions[-1], None)
         if stand is None:
             self._run.statistics.counts["database_refuted"] += 1
             return False
@@ -193,17 +195,26 @@ class RearrangementGraph:
         after = vertex.stand.believed(self._database.outcome(stored, vertex.state))
         return (*vertex.actions, replace(stored.action, motion=motion)), after
 
-    def _insert(self, stand: Stand, actions: Actions, parent: Vertex | None) -> Vertex:
-        """A new vertex, or the one whose rearrangement is the same."""
-        scene, poses = self._run.parts.problem.scene, stand.state.object_poses
-        for other in self._vertices:
-            if alike(scene, poses, other.state.object_poses).all():
-                self._run.statistics.counts["duplicates"] += 1
-                return other
+    def _insert(self, stand: Stand, actions: Actions, parent: Vertex | None) -> None:
+        """A new vertex, unless its rearrangement is known."""
+        if self._is_known(stand):
+            return
         vertex = Vertex(next(self._numbers), stand, actions, parent)
+        # That the target cannot be taken out at the root is known.
+        vertex.retrieval_tried = parent is None
         self._vertices.append(vertex)
         self._push(self._order.vertex(vertex), vertex)
-        return vertex
+
+    def _is_known(self, stand: Stand) -> bool:
+        """Whether something that was executed has led to the same; a prediction may be wrong."""
+        scene, poses = self._run.parts.problem.scene, stand.state.object_poses
+        known = any(
+            alike(scene, poses, other.state.object_poses).all()
+            for other in self._vertices
+            if not other.stand.predicted
+        )
+        self._run.statistics.counts["duplicates"] += known
+        return known
 
     def _push(self, key: Key, item: Vertex | Edge) -> None:
         heapq.heappush(self._open, (key, item.number, item))

@@ -106,10 +106,6 @@ class GraphOptions(Options):
 class DepthFirstOptions(GraphOptions):
     """Options of ``depth_first`` (I-M4M)."""
 
-    clearer: bool = Field(
-        False, description="of equally deep rearrangements, the one with the emptier NGR"
-    )
-
 
 class BestFirstOptions(GraphOptions):
     """Options of ``best_first`` (E-M4M); the parameters are those of the author's code."""

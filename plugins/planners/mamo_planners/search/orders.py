@@ -8,7 +8,7 @@ from functools import partial
 
 from mamo_core.types.problem import Problem
 from mamo_core.types.region import SweptRegion
-from mamo_planners.search.abstraction import occupancy
+from mamo_planners.search.execution import Stand
 from mamo_planners.search.features import Features, features_of
 from mamo_planners.search.options import BestFirstOptions
 from mamo_planners.search.priority import PriorityModel, log_density, log_survival
@@ -35,19 +35,10 @@ MakeOrder = Callable[[Problem, SweptRegion], Order]
 
 
 class DepthFirst(Order):
-    """More actions, then cheaper ones, then fewer expansions (thesis 6.3.2, 6.3.3).
-
-    ``clearer``: of those the one that leaves less of the region occupied.
-    """
-
-    def __init__(self, problem: Problem, region: SweptRegion, *, clearer: bool) -> None:
-        self._problem, self._region, self._clearer = problem, region, clearer
+    """More actions, then cheaper ones, then fewer expansions (thesis 6.3.2, 6.3.3)."""
 
     def vertex(self, vertex: Vertex) -> Key:
-        rest: Key = ()
-        if self._clearer:
-            rest = occupancy(self._problem, vertex.state, self._region)
-        return (-vertex.depth, 0.0, vertex.expansions, *rest)
+        return (-vertex.depth, 0.0, vertex.expansions)
 
     def edge(self, edge: Edge) -> Key:
         return (-edge.parent.depth - 1, edge.cost, edge.parent.expansions)
@@ -68,6 +59,7 @@ class BestFirst(Order):
 
     def __init__(self, problem: Problem, region: SweptRegion, score: Score) -> None:
         self._problem, self._region, self._score = problem, region, score
+        self._known: dict[Stand, Key] = {}
 
     def vertex(self, vertex: Vertex) -> Key:
         return (*self._of(vertex), vertex.expansions)
@@ -76,7 +68,10 @@ class BestFirst(Order):
         return (*self._of(edge.parent), edge.parent.expansions - 0.5, edge.cost)
 
     def _of(self, vertex: Vertex) -> Key:
-        return self._score(features_of(self._problem, vertex.state, self._region))
+        if vertex.stand not in self._known:
+            found = features_of(self._problem, vertex.state, self._region)
+            self._known[vertex.stand] = self._score(found)
+        return self._known[vertex.stand]
 
 
 def order_of(options: BestFirstOptions) -> MakeOrder:

@@ -160,8 +160,8 @@ class SearchRun:
 
     def no_plan(self) -> Solution:
         """The end of a search that found nothing."""
-        status = SolutionStatus.BUDGET_EXHAUSTED
-        return Solution(status, None, self.statistics, "no plan within the budget")
+        why = "no plan within the budget" if self.budget.exhausted else "nothing is left to try"
+        return Solution(SolutionStatus.BUDGET_EXHAUSTED, None, self.statistics, why)
 
     def no_retrieval(self) -> Solution:
         """The end of a search that found no retrieval even without the movables."""
