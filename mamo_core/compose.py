@@ -24,7 +24,7 @@ from mamo_core.plugins import Registry
 from mamo_core.recipes import LoadedRecipe
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.problem import Problem
-from mamo_core.types.rollout import ParameterOverrides
+from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.solution import Budget, Plan, Solution
 
 if TYPE_CHECKING:
@@ -32,10 +32,17 @@ if TYPE_CHECKING:
 
 
 class PlanVerifier(Protocol):
-    """Replays a plan and checks every claim, with other masses and frictions if some are given."""
+    """Replays a plan and checks every claim.
+
+    ``parameters``: other masses and frictions than the problem's. ``executed``: what the backend
+    did in a continuous execution, one result for each motion, which then is not repeated.
+    """
 
     def __call__(
-        self, plan: Plan, parameters: ParameterOverrides | None = None
+        self,
+        plan: Plan,
+        parameters: ParameterOverrides | None = None,
+        executed: Sequence[RolloutResult] | None = None,
     ) -> VerifyReport: ...
 
 
@@ -203,19 +210,25 @@ def build_parts(
 def make_verifier(context: BuildContext) -> PlanVerifier:
     """A function that verifies plans for the problem of ``context`` with all its engines.
 
-    Its second argument, None or left out for the problem's own, are the masses and frictions of
-    the objects. The first engine that finds something wrong ends it; its name stands before what
-    it found, unless it is the backend.
+    The first engine that finds something wrong ends it; its name stands before what it found,
+    unless it is the backend.
     """
     model = context.backend
     if model is None:
         raise ValueError("verification needs a backend")
 
-    def check(plan: Plan, parameters: ParameterOverrides | None = None) -> VerifyReport:
-        from mamo_core.verify import verify
+    def check(
+        plan: Plan,
+        parameters: ParameterOverrides | None = None,
+        executed: Sequence[RolloutResult] | None = None,
+    ) -> VerifyReport:
+        from mamo_core.verify import verify, verify_executed
 
         problem, robot = context.problem, context.robot
-        report = verify(problem, plan, model, robot, parameters=parameters)
+        if executed is None:
+            report = verify(problem, plan, model, robot, parameters=parameters)
+        else:
+            report = verify_executed(problem, plan, executed, robot)
         for name, other in context.accept_in:
             if not report.ok:
                 break

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -68,24 +69,81 @@ def verify(
     static = [*check_form(problem, plan), *check_trajectories(problem, plan, robot)]
     if static:
         return VerifyReport(tuple(static), None, kinds=("form",))
-    segments = tuple(s for motion in plan.motions for s in motion.segments)
-    whole = Motion(segments, plan.motions[0].opening)
+    whole = Motion(_segments(plan), plan.motions[0].opening)
     options = RolloutOptions(stop_early=False, trace_step=trace_step)
     rollout = model.rollout(problem.initial, whole, parameters=parameters, options=options)
+    return _judged(problem, plan, rollout, robot)
+
+
+def verify_executed(
+    problem: Problem, plan: Plan, executed: Sequence[RolloutResult], robot: ArmModel
+) -> VerifyReport:
+    """The checks of ``verify`` on an execution that took place already, one motion at a time.
+
+    ``executed``: one result for each of the plan's motions, each continued exactly from the one
+    before. That they are what one rollout of the whole plan gives is taken on trust, so that this
+    does for a search, and ``verify`` for whoever receives the plan.
+
+    Raises:
+        ValueError: the results are not one for each motion.
+    """
+    if len(executed) != len(plan.motions):
+        raise ValueError(f"executed: {len(executed)} results for {len(plan.motions)} motions")
+    static = [*check_form(problem, plan), *check_trajectories(problem, plan, robot)]
+    if static:
+        return VerifyReport(tuple(static), None, kinds=("form",))
+    return _judged(problem, plan, _joined(executed), robot)
+
+
+def _judged(problem: Problem, plan: Plan, rollout: RolloutResult, robot: ArmModel) -> VerifyReport:
+    """What the continuous execution of a well-formed plan shows."""
+    segments, opening = _segments(plan), plan.motions[0].opening
     found = _rollout_failures(rollout)
     if not found:
         states = rollout.segment_states
         found = {
-            "mesh": check_meshes(problem.scene, segments, states, robot, whole.opening),
+            "mesh": check_meshes(problem.scene, segments, states, robot, opening),
             "grasp": [
                 *check_grasp(problem, segments, states, robot),
-                *check_closed(problem, segments, states, robot, whole.opening),
+                *check_closed(problem, segments, states, robot, opening),
             ],
             "not_retrieved": check_retrieved(problem, segments, rollout, robot),
         }
     kinds = tuple(kind for kind, texts in found.items() if texts)
     failures = tuple(text for texts in found.values() for text in texts)
     return VerifyReport(failures, rollout, kinds, rollout.outside_cpu)
+
+
+def _joined(results: Sequence[RolloutResult]) -> RolloutResult:
+    """One execution of several motions, each continued from the one before.
+
+    What moved, and traces, are of the last alone: nothing here asks for them.
+    """
+    begins = np.cumsum([0.0, *(result.duration for result in results)])
+    return replace(
+        results[-1],
+        violations=tuple(
+            replace(violation, time=violation.time + begin)
+            for result, begin in zip(results, begins, strict=False)
+            for violation in result.violations
+        ),
+        contacts=frozenset().union(*(result.contacts for result in results)),
+        stalled=any(result.stalled for result in results),
+        duration=float(begins[-1]),
+        steps=sum(result.steps for result in results),
+        segment_states=tuple(s for result in results for s in result.segment_states),
+        segment_times=tuple(
+            time + float(begin)
+            for result, begin in zip(results, begins, strict=False)
+            for time in result.segment_times
+        ),
+        lost=next((result.lost for result in results if result.lost is not None), None),
+        outside_cpu=0.0,
+    )
+
+
+def _segments(plan: Plan) -> tuple[MotionSegment, ...]:
+    return tuple(segment for motion in plan.motions for segment in motion.segments)
 
 
 def _rollout_failures(rollout: RolloutResult) -> dict[str, list[str]]:

@@ -120,7 +120,7 @@ class Search:
                 for n, a in enumerate(actions or [StraightPush(problem)])
             ),
             self._execution,
-            lambda plan, parameters: (verifier or self.replay)(plan),
+            lambda plan, parameters, executed: (verifier or self.replay)(plan),
         )
         self.search = KINDS[kind](parts, options)
 

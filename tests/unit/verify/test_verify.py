@@ -5,14 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.robots.timing import time_path
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import tool_matrix
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.problem import ConstraintSpec
+from mamo_core.types.rollout import Violation
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Plan
-from mamo_core.verify import verify
+from mamo_core.verify import verify, verify_executed
 
 
 @pytest.fixture
@@ -65,6 +67,57 @@ def test_another_model_says_the_same(problem, planner, compose_for, plan):
     a, b = one.rollout.final_state, other.rollout.final_state
     assert np.array_equal(a.object_poses, b.object_poses)
     assert np.array_equal(a.joint_positions, b.joint_positions)
+
+
+@pytest.fixture
+def executed(problem, planner, plan):
+    """What the engine does motion by motion, each from where the one before ended."""
+    model, state, token, results = planner.context.backend, problem.initial, None, []
+    for motion in plan.motions:
+        options = RolloutOptions(keep=True)
+        result = model.rollout(state, motion, options=options, continue_from=token)
+        state, token = result.final_state.with_joints(motion.end), result.continuation
+        results.append(result)
+    return results
+
+
+def test_what_was_executed_need_not_be_replayed(problem, planner, plan, executed):
+    one = planner.verify(plan).rollout
+    report = verify_executed(problem, plan, executed, planner.context.robot)
+    other = report.rollout
+    assert report.ok
+    assert np.array_equal(one.final_state.object_poses, other.final_state.object_poses)
+    assert (one.steps, one.contacts) == (other.steps, other.contacts)
+    assert one.duration == pytest.approx(other.duration)
+    assert one.segment_times == pytest.approx(other.segment_times)
+    for a, b in zip(one.segment_states, other.segment_states, strict=True):
+        assert np.array_equal(a.object_poses, b.object_poses)
+
+
+def test_what_was_executed_is_judged_like_a_replay(problem, planner, plan, executed):
+    robot = planner.context.robot
+    tipped = Violation("tilt", "blocker", None, 0.5, 1.0, 0.4)
+    broken = [*executed[:-1], replace(executed[-1], violations=(tipped,))]
+    report = verify_executed(problem, plan, broken, robot)
+    assert report.kinds == ("tilt",)
+    begin = sum(result.duration for result in executed[:-1])
+    assert report.rollout.violations[0].time == pytest.approx(begin + 0.5)
+    stalled = [replace(executed[0], stalled=True), *executed[1:]]
+    assert verify_executed(problem, plan, stalled, robot).kinds == ("stalled",)
+    crashed = [replace(executed[0], lost="crashed"), *executed[1:]]
+    assert verify_executed(problem, plan, crashed, robot).lost
+    late = with_retrieval(plan, plan.retrieval.segments[:-1])
+    assert verify_executed(problem, late, executed, robot).kinds == ("form",)
+    moved = executed[-1].final_state.object_poses.copy()
+    moved[problem.scene.target_index, 0] += 0.1
+    final = replace(executed[-1].final_state, object_poses=moved)
+    dropped = [*executed[:-1], replace(executed[-1], final_state=final)]
+    assert verify_executed(problem, plan, dropped, robot).kinds == ("not_retrieved",)
+
+
+def test_every_motion_must_have_been_executed(problem, planner, plan, executed):
+    with pytest.raises(ValueError, match="results for"):
+        verify_executed(problem, plan, executed[:-1], planner.context.robot)
 
 
 def test_a_trace_on_request(problem, planner, plan):

@@ -42,16 +42,23 @@ class Engine:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """Where an engine stands in the execution, and how to go on there."""
+    """Where an engine stands in the execution, and how to go on there.
+
+    ``executed``: what it did so far, one result for each motion.
+    """
 
     engine: Engine
     state: SceneState
     token: object = None
+    executed: tuple[RolloutResult, ...] = ()
 
     def after(self, result: RolloutResult, motion: Motion) -> Line:
         """The next motion starts where this one commanded the arm to stop."""
         token = result.continuation if self.engine.continuous else None
-        return replace(self, state=result.final_state.with_joints(motion.end), token=token)
+        state = result.final_state.with_joints(motion.end)
+        # A snapshot is large, and of all that were executed only the last is needed.
+        executed = (*self.executed, replace(result, continuation=None))
+        return replace(self, state=state, token=token, executed=executed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +80,8 @@ class Stand:
     def believed(self, state: SceneState) -> Stand:
         """Every engine is said to be in ``state``, at rest."""
         leading, *others = (
-            replace(line, state=state, token=None) for line in (self.leading, *self.others)
+            replace(line, state=state, token=None, executed=())
+            for line in (self.leading, *self.others)
         )
         return Stand(leading, tuple(others), predicted=True)
 
@@ -246,12 +254,19 @@ class Execution:
         world = self._collision.world(state.object_poses, opening=sweep.opening, ignore=others)
         return all(world.free(s.trajectory.positions).all() for s in sweep.segments)
 
-    def retrieval_holds(self, stand: Stand, motion: Motion) -> bool:
-        """Whether the retrieval is valid in the continuous execution, in enough engines."""
+    def retrieved(self, stand: Stand, motion: Motion) -> tuple[RolloutResult, ...] | None:
+        """What the leading engine did from the start to the end of the retrieval.
+
+        None if the retrieval is not valid in the continuous execution, in enough engines.
+        """
         result = self._rollout(stand.leading, motion, None)
         self._count_failures(result, "arm", "retrieval")
-        if not result.valid:
-            return False
+        if not result.valid or not self._holds_elsewhere(stand, motion):
+            return None
+        return (*stand.leading.executed, result)
+
+    def _holds_elsewhere(self, stand: Stand, motion: Motion) -> bool:
+        """Whether the retrieval is valid in enough of the other engines."""
         holding, left = 0, len(stand.others)
         for line, result in self._in_turn(stand.others, motion, None):
             left -= 1

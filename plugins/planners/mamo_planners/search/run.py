@@ -18,7 +18,7 @@ from mamo_core.types.mapf import GoalPenalty, MAPFBudget
 from mamo_core.types.motion import Motion
 from mamo_core.types.problem import Problem
 from mamo_core.types.region import SweptRegion
-from mamo_core.types.rollout import ParameterOverrides
+from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus, Statistics
 from mamo_planners.search.abstraction import mapf_problem, occupancy
@@ -30,8 +30,11 @@ if TYPE_CHECKING:
 Actions = tuple[RearrangementAction, ...]
 Paths = dict[str, Array]
 Penalties = Mapping[str, Sequence[GoalPenalty]]
-Verifier = Callable[[Plan, ParameterOverrides | None], "VerifyReport"]
-"""Replays a plan, with the masses and frictions that the search believes in."""
+Verifier = Callable[
+    [Plan, ParameterOverrides | None, Sequence[RolloutResult] | None], "VerifyReport"
+]
+"""Checks every claim of a plan, with the masses and frictions that the search believes in, and with
+what the first engine did: it has executed the plan continuously, which need not be repeated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,10 +78,14 @@ class SearchRun:
         self._grasp_tries = grasp_tries
 
     def region(self, draws: int) -> SweptRegion | None:
-        """The NGR of the retrieval, of some drawn, whose way is blocked the least."""
+        """The NGR of the retrieval, of some drawn, whose way is blocked the least.
+
+        No more are drawn once an NGR has no more objects in it than were drawn: to push
+        one or two objects aside takes about as long as to look for a better one.
+        """
         best: tuple[tuple[int, float], SweptRegion] | None = None
         problem, retrieval = self.parts.problem, self.parts.retrieval
-        for _ in range(draws):
+        for drawn in range(1, draws + 1):
             with self.statistics.timed("retrieval"):
                 found = retrieval.plan(problem.initial, self.rng, ignore_movables=True)
                 if found.motion is None:
@@ -89,7 +96,7 @@ class SearchRun:
             rank = occupancy(problem, problem.initial, region)
             if best is None or rank < best[0]:
                 best = (rank, region)
-            if rank[0] == 0:
+            if best[0][0] <= drawn:
                 break
         return best[1] if best is not None else None
 
@@ -112,11 +119,12 @@ class SearchRun:
         self, stand: Stand, done: Actions, retrieval: Motion, region: SweptRegion | None
     ) -> Plan | None:
         motion = self.execution.retrieval_from(stand, retrieval, self.rng)
-        if motion is None or not self.execution.retrieval_holds(stand, motion):
+        executed = self.execution.retrieved(stand, motion) if motion is not None else None
+        if motion is None or executed is None:
             return None
         plan = Plan(done, motion, region)
         with self.statistics.timed("verification"):
-            report = self.parts.verifier(plan, stand.leading.engine.parameters)
+            report = self.parts.verifier(plan, stand.leading.engine.parameters, executed)
         self.statistics.charge("verification", report.outside_cpu)
         self.budget.charge(report.outside_cpu)
         for failure in report.failures:
