@@ -97,6 +97,15 @@ class HookSpecs:
     def mamo_searches(self) -> Iterable[Component]:  # type: ignore[empty-body]
         """Search strategies: build a ``SearchStrategy``."""
 
+    @hookspec
+    def mamo_commands(self) -> Iterable[Component]:  # type: ignore[empty-body]
+        """Commands of ``mamo``: build a function whose parameters typer makes options of.
+
+        ``build(workbench, options)`` receives a ``mamo_core.cli.workbench.Workbench`` and is called
+        only when the command is. ``learn_it`` becomes ``mamo learn-it``; no command of our own can
+        be replaced.
+        """
+
 
 HOOK_OF_ROLE: dict[str, str] = {
     "backend": "mamo_backends",
@@ -108,5 +117,6 @@ HOOK_OF_ROLE: dict[str, str] = {
     "mapf": "mamo_mapf_solvers",
     "action": "mamo_actions",
     "search": "mamo_searches",
+    "command": "mamo_commands",
 }
 """Role, as recipes and listings name it, to its hook."""

@@ -14,6 +14,7 @@ from importlib.metadata import version
 from typing import Any, NoReturn
 
 import typer
+from typer.core import TyperGroup
 
 from mamo_core.cli import compare, plan, plugins, problem, schema, study, verify, warmup
 from mamo_core.errors import MamoError
@@ -22,10 +23,25 @@ INTERNAL_ERROR = 1
 INTERRUPTED = 130
 TRACEBACK = "MAMO_TRACEBACK"
 
+
+class _Commands(TyperGroup):
+    """Ours, and those of plugins, which are looked for only under a name that none of ours has."""
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:  # which click is typer's affair
+        found = super().get_command(ctx, cmd_name)
+        if found is not None:
+            return found
+        from mamo_core.cli.workbench import plugin_command
+
+        return plugin_command(cmd_name)
+
+
 app = typer.Typer(
     name="mamo",
+    cls=_Commands,
     help="Plan how a robot arm retrieves an object from clutter by moving others out of the way.",
-    epilog="Exit codes: 0 done, 1 internal error, 2 wrong usage or input, 3 no plan within the "
+    epilog="Plugins may add commands: see the role 'command' of 'mamo plugins list'. "
+    "Exit codes: 0 done, 1 internal error, 2 wrong usage or input, 3 no plan within the "
     "budget, 4 verification failed, 5 backend or plugin missing, 6 worker crashed, "
     "130 interrupted.",
     no_args_is_help=True,

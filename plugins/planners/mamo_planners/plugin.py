@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from mamo_core.hookspecs import Component, hookimpl
+from mamo_core.hookspecs import Component, NoOptions, hookimpl
 from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
 from mamo_planners.options import PickPlaceOptions, PushOptions, RetrievalOptions
 from mamo_planners.search.options import (
@@ -18,6 +18,7 @@ from mamo_planners.search.options import (
 if TYPE_CHECKING:
     import numpy as np
 
+    from mamo_core.cli.workbench import Workbench
     from mamo_core.compose import BuildContext
     from mamo_core.types.motion import Motion
     from mamo_core.types.scene import SceneState
@@ -124,6 +125,12 @@ def _best_first(context: BuildContext, options: BestFirstOptions) -> Any:
     )
 
 
+def _learn_priority(bench: Workbench, options: NoOptions) -> Any:
+    from mamo_planners.learning.command import command_of
+
+    return command_of(bench)
+
+
 @hookimpl
 def mamo_retrieval_planners() -> Iterable[Component]:
     """Grasp, lift, extract, home."""
@@ -190,6 +197,18 @@ def mamo_searches() -> Iterable[Component]:
             "I-M4M: the rearrangement with the most actions first, lazily if wanted (thesis 6.3)",
             requires=_CONTINUED,
         ),
+    ]
+
+
+@hookimpl
+def mamo_commands() -> Iterable[Component]:
+    """Learning."""
+    return [
+        Component(
+            "learn_priority",
+            _learn_priority,
+            summary="gathers data and fits the priority of E-M4M (thesis 5.5.3)",
+        )
     ]
 
 

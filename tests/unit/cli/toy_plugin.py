@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from mamo_core.errors import InputError
 from mamo_core.hookspecs import Component, Options, hookimpl
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
@@ -76,6 +77,20 @@ class ToySearch:
         return Solution(status, None, statistics, reason="the target is walled in")
 
 
+def greeting(bench, options):
+    def toy_greeting(word: str, times: int = 1) -> None:
+        """Greet the toys."""
+        if word == "inside":
+            raise InputError(f"word {word!r}: too deep")
+        bench.print_json("toy greeting", {"words": [word] * times, "levels": bench.levels})
+
+    return toy_greeting
+
+
+def unfinished(bench, options):
+    import nothing_like_it  # noqa: F401
+
+
 def warm_up():
     WARMED.append("toy")
 
@@ -113,3 +128,8 @@ def mamo_actions():
 @hookimpl
 def mamo_searches():
     return [Component("toy", lambda context, options: ToySearch(options), SearchOptions)]
+
+
+@hookimpl
+def mamo_commands():
+    return [Component("toy_greeting", greeting), Component("toy_unfinished", unfinished)]

@@ -66,6 +66,11 @@ class RearrangementGraph:
         self._open: list[tuple[Key, int, Vertex | Edge]] = []
         self._vertices: list[Vertex] = []
 
+    @property
+    def vertices(self) -> tuple[Vertex, ...]:
+        """All rearrangements, in the order they were found."""
+        return tuple(self._vertices)
+
     def search(self, root: Stand) -> Plan | None:
         """A verified plan, or None when nothing is left to do here or the work is up.
 

@@ -8,6 +8,8 @@ from pydantic import Field
 
 from mamo_core.hookspecs import Options
 
+_FITTED = "fitted by: mamo learn-priority --problems 60"
+
 
 class GreedyOptions(Options):
     """Options of ``greedy`` (M4M)."""
@@ -108,7 +110,11 @@ class DepthFirstOptions(GraphOptions):
 
 
 class BestFirstOptions(GraphOptions):
-    """Options of ``best_first`` (E-M4M); the parameters are those of the author's code."""
+    """Options of ``best_first`` (E-M4M).
+
+    The parameters of the learned priority are those that ``mamo learn-priority --problems 60``
+    fits (docs/results/priority.md); the ``em4m`` recipes have those of the thesis author's code.
+    """
 
     order: Literal["learned", "tiebreak", "breadth_first"] = Field(
         "learned", description="learned priority, its features in turn, or fewest actions"
@@ -116,7 +122,23 @@ class BestFirstOptions(GraphOptions):
     density: Literal["survival", "thesis"] = Field(
         "survival", description="survival: never rises with an object more; thesis: densities"
     )
-    alpha: float = Field(0.3403101839, gt=0.0, description="Beta of the NGR's occupied share")
-    beta: float = Field(45.0750087432, gt=0.0, description="Beta of the NGR's occupied share")
-    count_rate: float = Field(1.5634743875, gt=0.0, description="per object in the NGR")
-    effort_rate: float = Field(32.1092604858, gt=0.0, description="per kg x friction x share")
+    alpha: float = Field(
+        0.397527,
+        gt=0.0,
+        description=f"Beta of the NGR's occupied share ({_FITTED}; thesis: 0.3403101839)",
+    )
+    beta: float = Field(
+        10.7174,
+        gt=0.0,
+        description=f"Beta of the NGR's occupied share ({_FITTED}; thesis: 45.0750087432)",
+    )
+    count_rate: float = Field(
+        0.876652,
+        gt=0.0,
+        description=f"per object in the NGR ({_FITTED}; thesis: 1.5634743875)",
+    )
+    effort_rate: float = Field(
+        7.93782,
+        gt=0.0,
+        description=f"per kg x friction x share in the NGR ({_FITTED}; thesis: 32.1092604858)",
+    )

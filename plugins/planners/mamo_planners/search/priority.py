@@ -8,7 +8,7 @@ from scipy.stats import beta, expon
 
 from mamo_planners.search.features import Features
 
-_LEAST = 1e-4
+LEAST_SHARE = 1e-4
 """Densities are infinite where nothing is occupied; a share below this counts as this."""
 
 
@@ -30,7 +30,7 @@ def log_density(model: PriorityModel, features: Features) -> float:
 
     They may exceed 1, so that one more object with a small effort RAISES it.
     """
-    share = min(max(features.occupied, _LEAST), 1.0 - _LEAST)
+    share = min(max(features.occupied, LEAST_SHARE), 1.0 - LEAST_SHARE)
     terms = [
         beta.logpdf(share, model.alpha, model.beta),
         expon.logpdf(features.count, scale=1.0 / model.count_rate),
@@ -41,7 +41,7 @@ def log_density(model: PriorityModel, features: Features) -> float:
 
 def log_survival(model: PriorityModel, features: Features) -> float:
     """How likely a solvable rearrangement is at least as hard: falls with every object."""
-    share = min(features.occupied, 1.0 - _LEAST)
+    share = min(features.occupied, 1.0 - LEAST_SHARE)
     terms = [
         beta.logsf(share, model.alpha, model.beta),
         -model.count_rate * features.count,

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from mamo_core.interfaces.search_strategy import ProgressCallback, SearchStrategy
 from mamo_core.types.mapf import MAPFBudget
+from mamo_core.types.region import SweptRegion
 from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus
 from mamo_planners.search.goals import Failure, GoalMemory
 from mamo_planners.search.graph import GraphRules, RearrangementGraph
@@ -13,6 +16,10 @@ from mamo_planners.search.options import GraphOptions
 from mamo_planners.search.orders import MakeOrder
 from mamo_planners.search.push_database import PushDatabase
 from mamo_planners.search.run import SearchParts, SearchRun
+from mamo_planners.search.vertices import Vertex
+
+Watch = Callable[[SweptRegion, Sequence[Vertex]], None]
+"""Shown every graph when it is left: its NGR, and its vertices in the order they were found."""
 
 
 class RearrangementSearch(SearchStrategy):
@@ -22,7 +29,11 @@ class RearrangementSearch(SearchStrategy):
         self._parts, self._make_order, self._options = parts, make_order, options
 
     def solve(
-        self, budget: Budget, rng: np.random.Generator, progress: ProgressCallback
+        self,
+        budget: Budget,
+        rng: np.random.Generator,
+        progress: ProgressCallback,
+        watch: Watch = lambda region, vertices: None,
     ) -> Solution:
         run = self._run(budget, rng, progress)
         start = run.execution.start
@@ -43,7 +54,9 @@ class RearrangementSearch(SearchStrategy):
             database = self._database(run)
             rules = self._rules(number)
             graph = RearrangementGraph(run, region, order, rules, database, failures)
-            plan = graph.search(start) or self._grasped_anew(run)
+            plan = graph.search(start)
+            watch(region, graph.vertices)
+            plan = plan or self._grasped_anew(run)
         if plan is None:
             return run.no_plan()
         return Solution(SolutionStatus.SOLVED, plan, run.statistics)
