@@ -30,10 +30,10 @@ def time_path(
     falls within 0.2 s, and at corners no joint's speed jumps by more than about ``corner_jump``
     rad/s.
     """
-    steps = np.abs(np.diff(path, axis=0))
+    steps = np.abs(_steps(path))
     durations = (steps / (scale * velocity_limits)).max(axis=1, initial=0.0)
     if tool_positions is not None and len(path) > 1:
-        lengths = np.linalg.norm(np.diff(tool_positions, axis=0), axis=1)
+        lengths = np.linalg.norm(_steps(tool_positions), axis=1)
         durations = np.maximum(durations, lengths / tool_speed)
     moving = durations > 1e-9
     if not moving.any():
@@ -41,28 +41,41 @@ def time_path(
     points = np.vstack([path[:1], path[1:][moving]])
     progress = np.concatenate([[0.0], np.cumsum(durations[moving])])
     # Progress is time at full speed; the grid holds every corner.
-    grid = np.concatenate([*(_cut(a, b) for a, b in pairwise(progress)), progress[-1:]])
+    grid = np.append(_cut(progress), progress[-1])
     rates = np.minimum(1.0, _corner_rates(points, progress, grid, corner_jump))
     positions = np.stack([np.interp(grid, progress, column) for column in points.T], axis=1)
     return Trajectory(_times(grid, rates), positions)
 
 
-def _cut(start: float, end: float) -> Array:
-    """Grid from ``start`` to before ``end``: even, and close where speed builds up or falls.
+def _cut(progress: Array) -> Array:
+    """Grid from each value of ``progress`` (k,) to before the next: even, and close at both ends.
 
-    There, equal steps of time are steps of progress that grow as squares.
+    That is where speed builds up or falls: equal steps of time are steps of progress that grow as
+    squares.
     """
-    count = max(2, int(np.ceil((end - start) / _GRID)))
-    even = np.linspace(start, end, count, endpoint=False)
-    ramp = min(_RAMP, end - start) / 2.0 * (np.arange(1, _RAMP_CUTS) / _RAMP_CUTS) ** 2
-    grid = np.unique(np.concatenate([even, start + ramp, end - ramp]))
-    return grid[np.concatenate([[True], np.diff(grid) > 1e-5 * (end - start)])]
+    starts, ends = progress[:-1], progress[1:]
+    lengths = ends - starts
+    counts = np.maximum(2, np.ceil(lengths / _GRID).astype(np.int64))
+    pieces = np.repeat(np.arange(len(counts)), counts)
+    within = np.arange(len(pieces)) - np.repeat(np.cumsum(counts) - counts, counts)
+    even = within * (lengths / counts)[pieces] + starts[pieces]
+    shares = (np.arange(1, _RAMP_CUTS) / _RAMP_CUTS) ** 2
+    ramps = (np.minimum(_RAMP, lengths) / 2.0)[:, None] * shares
+    grid = np.concatenate(
+        [even, (starts[:, None] + ramps).ravel(), (ends[:, None] - ramps).ravel()]
+    )
+    # The pieces lie one behind the other, so sorting all of them sorts each.
+    grid.sort()
+    closest = np.repeat(1e-5 * lengths, counts + 2 * len(shares))
+    kept = np.concatenate([[True], _steps(grid) > closest[1:]])
+    kept[np.cumsum(counts + 2 * len(shares))[:-1]] = True
+    return grid[kept]
 
 
 def _corner_rates(points: Array, progress: Array, grid: Array, corner_jump: float) -> Array:
     """Share of full speed allowed at each grid value: low at corners, 0 at both ends."""
-    velocities = np.diff(points, axis=0) / np.diff(progress)[:, None]
-    jumps = np.abs(np.diff(velocities, axis=0)).max(axis=1, initial=0.0)
+    velocities = _steps(points) / _steps(progress)[:, None]
+    jumps = np.abs(_steps(velocities)).max(axis=1, initial=0.0)
     rates = np.full(grid.size, np.inf)
     corners = np.searchsorted(grid, progress[1:-1])
     rates[corners] = corner_jump / np.maximum(jumps, 1e-9)
@@ -72,14 +85,31 @@ def _corner_rates(points: Array, progress: Array, grid: Array, corner_jump: floa
 
 def _times(grid: Array, rates: Array) -> Array:
     """Times along the grid with rates raised and lowered by at most 1 per ``_RAMP``."""
-    squares = rates**2
-    gaps = 2.0 * np.diff(grid) / _RAMP
-    for k in range(1, grid.size):
-        squares[k] = min(squares[k], squares[k - 1] + gaps[k - 1])
-    for k in range(grid.size - 2, -1, -1):
-        squares[k] = min(squares[k], squares[k + 1] + gaps[k])
-    speeds = np.sqrt(squares)
-    return np.concatenate([[0.0], np.cumsum(2.0 * np.diff(grid) / (speeds[1:] + speeds[:-1]))])
+    gaps = (2.0 * _steps(grid) / _RAMP).tolist()
+    rising = _limited((rates**2).tolist(), gaps)
+    speeds = np.sqrt(_limited(rising[::-1], gaps[::-1])[::-1])
+    return np.concatenate([[0.0], np.cumsum(2.0 * _steps(grid) / (speeds[1:] + speeds[:-1]))])
+
+
+def _limited(squares: list[float], gaps: list[float]) -> list[float]:
+    """``squares`` (none above 1), lowered so that none is above the last one by more than its gap.
+
+    After a 1 nothing has to be lowered, so it is enough to go on from the others.
+    """
+    limited = list(squares)
+    for start in [k for k, square in enumerate(squares[:-1]) if square < 1.0]:
+        value = limited[start]
+        for k in range(start, len(gaps)):
+            value += gaps[k]
+            if limited[k + 1] <= value:
+                break
+            limited[k + 1] = value
+    return limited
+
+
+def _steps(values: Array) -> Array:
+    """From each row of ``values`` to the next."""
+    return values[1:] - values[:-1]
 
 
 def interpolated(path: Array, step: float) -> Array:
@@ -89,14 +119,3 @@ def interpolated(path: Array, step: float) -> Array:
         count = max(1, int(np.ceil(np.abs(b - a).max() / step)))
         rows.append(a + (b - a) * (np.arange(1, count + 1) / count)[:, None])
     return np.vstack(rows)
-
-
-def _ramped(progress: Array) -> Array:
-    """Times at which a trapezoidal speed profile reaches each progress (both start at 0)."""
-    total = progress[-1]
-    ramp = min(_RAMP, total)
-    times = progress + ramp / 2.0
-    early, late = progress < ramp / 2.0, progress > total - ramp / 2.0
-    times[early] = np.sqrt(2.0 * ramp * progress[early])
-    times[late] = total + ramp - np.sqrt(2.0 * ramp * np.maximum(total - progress[late], 0.0))
-    return times

@@ -6,7 +6,9 @@ A transform is an array (4, 4). Frames stand in the name: ``T_world_tool`` maps 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -99,7 +101,8 @@ def make_pose(position: npt.ArrayLike, yaw: float = 0.0) -> Array:
 
 def rotation_from_quat(quat_wxyz: npt.ArrayLike) -> Array:
     """Rotation matrix (3, 3) of a quaternion (normalised here)."""
-    w, x, y, z = np.asarray(quat_wxyz, dtype=np.float64) / np.linalg.norm(quat_wxyz)
+    quat = np.asarray(quat_wxyz, dtype=np.float64)
+    w, x, y, z = (quat / math.sqrt(quat.dot(quat))).tolist()
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -107,6 +110,19 @@ def rotation_from_quat(quat_wxyz: npt.ArrayLike) -> Array:
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     )
+
+
+def rotations_from_quats(quats_wxyz: npt.ArrayLike) -> Array:
+    """Rotation matrices (n, 3, 3) of quaternions (n, 4), normalised here."""
+    quats = np.asarray(quats_wxyz, dtype=np.float64)
+    w, x, y, z = (quats / np.linalg.norm(quats, axis=1)[:, None]).T
+    R = np.empty((len(quats), 3, 3))
+    R[:, 0, 0], R[:, 0, 1] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z)
+    R[:, 1, 1], R[:, 1, 2] = 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
+    R[:, 2, 2], R[:, 2, 0] = 1 - 2 * (x * x + y * y), 2 * (x * z - w * y)
+    R[:, 1, 0], R[:, 0, 2] = 2 * (x * y + w * z), 2 * (x * z + w * y)
+    R[:, 2, 1] = 2 * (y * z + w * x)
+    return R
 
 
 def quat_from_rotation(rotation: npt.ArrayLike) -> Array:
@@ -129,9 +145,20 @@ def quat_from_rotation(rotation: npt.ArrayLike) -> Array:
 def matrix_from_pose(pose: npt.ArrayLike) -> Array:
     """Transform (4, 4) of a pose (7,)."""
     values = np.asarray(pose, dtype=np.float64)
-    T = np.eye(4)
+    T = np.zeros((4, 4))
     T[:3, :3] = rotation_from_quat(values[3:])
     T[:3, 3] = values[:3]
+    T[3, 3] = 1.0
+    return T
+
+
+def matrices_from_poses(poses: npt.ArrayLike) -> Array:
+    """Transforms (n, 4, 4) of poses (n, 7)."""
+    values = np.asarray(poses, dtype=np.float64)
+    T = np.zeros((len(values), 4, 4))
+    T[:, :3, :3] = rotations_from_quats(values[:, 3:])
+    T[:, :3, 3] = values[:, :3]
+    T[:, 3, 3] = 1.0
     return T
 
 
@@ -166,20 +193,38 @@ def z_axes(poses: npt.ArrayLike) -> Array:
 
 def tool_matrix(position: npt.ArrayLike, yaw: float, pitch: float = 0.0) -> Array:
     """Transform (4, 4) whose x axis points along ``yaw``, dipped by ``pitch`` (down positive)."""
-    cy, sy, cp, sp = np.cos(yaw), np.sin(yaw), np.cos(pitch), np.sin(pitch)
-    T = np.eye(4)
-    T[:3, :3] = [[cy * cp, -sy, cy * sp], [sy * cp, cy, sy * sp], [-sp, 0.0, cp]]
-    T[:3, 3] = np.asarray(position, dtype=np.float64)
+    return tool_matrices(np.asarray(position)[None], np.array([yaw]), np.array([pitch]))[0]
+
+
+def tool_matrices(positions: npt.ArrayLike, yaws: Array, pitches: Array) -> Array:
+    """Transforms (n, 4, 4) whose x axes point along ``yaws`` (n,), dipped by ``pitches`` (n,).
+
+    ``positions`` (n, 3) metres; angles in rad, a pitch that looks down is positive.
+    """
+    cy, sy, cp, sp = np.cos(yaws), np.sin(yaws), np.cos(pitches), np.sin(pitches)
+    T = np.zeros((len(yaws), 4, 4))
+    T[:, 0, 0], T[:, 0, 1], T[:, 0, 2] = cy * cp, -sy, cy * sp
+    T[:, 1, 0], T[:, 1, 1], T[:, 1, 2] = sy * cp, cy, sy * sp
+    T[:, 2, 0], T[:, 2, 2], T[:, 3, 3] = -sp, cp, 1.0
+    T[:, :3, 3] = positions
     return T
+
+
+@lru_cache(maxsize=8)
+def _circumscribed(sides: int) -> tuple[float, Array]:
+    """A polygon around a circle: its radius per circumradius, and directions (k, 2) to corners."""
+    angles = np.arange(sides) * (2.0 * np.pi / sides)
+    directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    directions.flags.writeable = False
+    return float(np.cos(np.pi / sides)), directions
 
 
 def footprint_corners(shape: Shape, pose: npt.ArrayLike, sides: int = 32) -> Array:
     """Outline (k, 2) of the upright shape in the world; a cylinder as a circumscribed polygon."""
     values = np.asarray(pose, dtype=np.float64)
     if isinstance(shape, Cylinder):
-        angles = np.arange(sides) * (2.0 * np.pi / sides)
-        radius = shape.radius / np.cos(np.pi / sides)
-        return values[:2] + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        shrink, directions = _circumscribed(sides)
+        return values[:2] + shape.radius / shrink * directions
     hx, hy = shape.size[0] / 2.0, shape.size[1] / 2.0
     yaw = yaw_of(values)
     c, s = np.cos(yaw), np.sin(yaw)

@@ -9,6 +9,9 @@ import numpy.typing as npt
 
 from mamo_core.types.geometry import Array, BoolArray, Box, Shape, frozen_array, yaw_of
 
+_BORDER = 3.0
+"""Cells looked at beyond the circle around a footprint: a diagonal, and rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class SweptRegion:
@@ -33,10 +36,28 @@ class SweptRegion:
 
     def touched_cells(self, shape: Shape, pose: npt.ArrayLike) -> BoolArray:
         """Cells (nx, ny) that the upright shape's footprint may touch (half a diagonal added)."""
+        touched = np.zeros(self.lowest.shape, dtype=np.bool_)
+        window = self._around(shape, pose)
+        touched[window] = self._touched(shape, pose, window)
+        return touched
+
+    def _around(self, shape: Shape, pose: npt.ArrayLike) -> tuple[slice, slice]:
+        """The cells near the footprint; nothing outside is touched."""
+        reach = shape.footprint_radius / self.resolution + _BORDER
+        middle = (np.asarray(pose, dtype=np.float64)[:2] - self.origin) / self.resolution
+        i, j = np.maximum(middle - reach, 0.0).astype(np.int64).tolist()
+        i_end, j_end = np.maximum(middle + reach, 0.0).astype(np.int64).tolist()
+        return slice(i, i_end), slice(j, j_end)
+
+    def _touched(self, shape: Shape, pose: npt.ArrayLike, window: tuple[slice, slice]) -> BoolArray:
+        """Which cells of a ``window`` the footprint may touch."""
         values = np.asarray(pose, dtype=np.float64)
-        nx, ny = self.lowest.shape
-        x = self.origin[0] + (np.arange(nx) + 0.5) * self.resolution - values[0]
-        y = self.origin[1] + (np.arange(ny) + 0.5) * self.resolution - values[1]
+        rows, columns = (
+            np.arange(count)[part] + 0.5
+            for count, part in zip(self.lowest.shape, window, strict=True)
+        )
+        x = self.origin[0] + rows * self.resolution - values[0]
+        y = self.origin[1] + columns * self.resolution - values[1]
         reach = self.resolution * np.sqrt(0.5)
         if not isinstance(shape, Box):
             return x[:, None] ** 2 + y[None, :] ** 2 <= (shape.radius + reach) ** 2
@@ -53,7 +74,8 @@ class SweptRegion:
     def overlap(self, shape: Shape, pose: npt.ArrayLike) -> float:
         """Area (m^2) of the standing shape's footprint that the sweep would hit."""
         top = float(np.asarray(pose)[2]) + shape.height / 2.0
-        cells = self.touched_cells(shape, pose) & self.swept_under(top)
+        window = self._around(shape, pose)
+        cells = self._touched(shape, pose, window) & (self.lowest[window] < top)
         return float(cells.sum()) * self.resolution**2
 
     def overlaps(self, shape: Shape, pose: npt.ArrayLike) -> bool:

@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from mamo_core.robots.timing import interpolated, time_path
+from mamo_core.robots.timing import _cut, _limited, interpolated, time_path
 
 LIMITS = np.array([2.0, 1.5, 3.0])
 SCALE = 0.5
@@ -148,3 +148,30 @@ def test_interpolation_keeps_waypoints_and_step(path, step):
     for waypoint in path:
         assert np.abs(rows - waypoint).max(axis=1).min() < 1e-9
     assert np.array_equal(rows[0], path[0])
+
+
+LENGTHS = st.lists(st.floats(1e-6, 1.5), min_size=1, max_size=6)
+
+
+@QUICK
+@given(LENGTHS)
+def test_a_piece_is_cut_the_same_beside_others(lengths):
+    progress = np.concatenate([[0.0], np.cumsum(lengths)])
+    grid = _cut(progress)
+    pieces = [_cut(progress[k : k + 2]) for k in range(len(lengths))]
+    assert np.array_equal(grid, np.concatenate(pieces))
+    for start, end, piece in zip(progress, progress[1:], pieces, strict=False):
+        assert piece[0] == start
+        assert (np.diff(np.append(piece, end)) <= 0.02 + 1e-9).all()
+        assert (np.diff(np.append(piece, end)) > 0.0).all()
+
+
+@QUICK
+@given(st.lists(st.tuples(st.sampled_from([0.0, 0.1, 0.5, 1.0, 1.0]), st.floats(1e-3, 0.4))))
+def test_speeds_are_lowered_no_more_than_needed(rows):
+    squares = [0.0, *(square for square, _ in rows)]
+    gaps = [gap for _, gap in rows]
+    expected = [0.0]
+    for square, gap in zip(squares[1:], gaps, strict=True):
+        expected.append(min(square, expected[-1] + gap))
+    assert _limited(squares, gaps) == expected

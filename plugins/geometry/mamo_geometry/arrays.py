@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
 
 from mamo_core.robots.kinematics import finger_transforms
-from mamo_core.robots.model import ArmModel, LinkModel
-from mamo_core.types.geometry import Array, Box, IntArray, Shape, matrix_from_pose
-from mamo_core.types.scene import Scene
+from mamo_core.robots.model import ArmModel
+from mamo_core.types.geometry import Array, Box, IntArray, Shape
 
 _CLUSTER_SIZE = 24
 _HELD_CELL = 0.012
@@ -110,27 +108,38 @@ def chain_arrays(arm: ArmModel, T_world_base: Array) -> ChainArrays:
     )
 
 
-def sphere_arrays(arm: ArmModel, opening: float) -> SphereArrays:
-    """The arm's spheres with the fingers at ``opening`` (m)."""
-    fingers = finger_transforms(arm.links, arm.gripper.drive(opening))
-    groups: list[list[Array]] = [[] for _ in range(arm.dof)]
-    for number, link in enumerate(arm.links):
-        if link.coordinate >= 0:
-            groups[link.coordinate].append(link.spheres)
-        else:
-            carrier = arm.links[arm.tool_link].coordinate
-            groups[carrier].append(_moved(link.spheres, fingers[number]))
-    members = [_split(np.vstack(group)) for group in groups]
-    clusters = [cluster for group in members for cluster in group]
-    return SphereArrays(
-        np.vstack(clusters),
-        np.array([_bounding(cluster) for cluster in clusters]),
-        np.cumsum([0, *(len(cluster) for cluster in clusters)], dtype=np.int64),
-        np.array([_bounding(np.vstack(group)) if group else np.zeros(4) for group in members]),
-        np.cumsum([0, *(len(group) for group in members)], dtype=np.int64),
-        np.array(arm.T_link_tool[:3, 2]),
-        -1.0,
-    )
+class ArmSpheres:
+    """The spheres of an arm; only those of the hand depend on its opening."""
+
+    def __init__(self, arm: ArmModel) -> None:
+        self._arm = arm
+        self._hand = arm.links[arm.tool_link].coordinate
+        self._members: list[list[Array]] = []
+        for coordinate in range(arm.dof):
+            own = [link.spheres for link in arm.links if link.coordinate == coordinate]
+            self._members.append([] if coordinate == self._hand else _split(np.vstack(own)))
+
+    def at(self, opening: float) -> SphereArrays:
+        """With the fingers at ``opening`` (m)."""
+        arm = self._arm
+        fingers = finger_transforms(arm.links, arm.gripper.drive(opening))
+        own = [
+            link.spheres if link.coordinate >= 0 else _moved(link.spheres, fingers[number])
+            for number, link in enumerate(arm.links)
+            if link.coordinate < 0 or link.coordinate == self._hand
+        ]
+        members = list(self._members)
+        members[self._hand] = _split(np.vstack(own))
+        clusters = [cluster for group in members for cluster in group]
+        return SphereArrays(
+            np.vstack(clusters),
+            np.array([_bounding(cluster) for cluster in clusters]),
+            np.cumsum([0, *(len(cluster) for cluster in clusters)], dtype=np.int64),
+            np.array([_bounding(np.vstack(group)) if group else np.zeros(4) for group in members]),
+            np.cumsum([0, *(len(group) for group in members)], dtype=np.int64),
+            np.array(arm.T_link_tool[:3, 2]),
+            -1.0,
+        )
 
 
 class Cover(NamedTuple):
@@ -176,7 +185,9 @@ def with_held(
 
 
 def _moved(spheres: Array, T: Array) -> Array:
-    return np.column_stack([spheres[:, :3] @ T[:3, :3].T + T[:3, 3], spheres[:, 3]])
+    moved = np.array(spheres)
+    moved[:, :3] = spheres[:, :3] @ T[:3, :3].T + T[:3, 3]
+    return moved
 
 
 def _split(spheres: Array) -> list[Array]:
@@ -221,96 +232,3 @@ def shape_spheres(shape: Shape, cell: float) -> Array:
     zs = np.linspace(-half_height + radius, half_height - radius, layers)
     columns = np.column_stack([x[shell], y[shell]])
     return np.array([[cx, cy, z, radius] for cx, cy in columns for z in zs])
-
-
-def world_arrays(
-    scene: Scene,
-    arm: ArmModel,
-    object_poses: Array,
-    ignore: Collection[str],
-    margin: float,
-) -> WorldArrays:
-    """Fixtures, the robot's own body and the objects, but for those in ``ignore``."""
-    T_world_base = matrix_from_pose(scene.T_world_base)
-    items: list[tuple[Array, Shape, int]] = [
-        (T_world_base @ b.T_base_box, Box(b.size), b.first_link) for b in arm.body
-    ]
-    body = len(items)
-    items += [
-        (matrix_from_pose(f.pose), f.shape, 0) for f in scene.fixtures if f.name not in ignore
-    ]
-    items += [
-        (matrix_from_pose(pose), o.shape, 0)
-        for o, pose in zip(scene.objects, object_poses, strict=True)
-        if o.name not in ignore
-    ]
-    half = np.array([_half_extents(shape) for _, shape, _ in items]).reshape(-1, 3)
-    centre = np.array([T[:3, 3] for T, _, _ in items]).reshape(-1, 3)
-    rotation = np.array([T[:3, :3] for T, _, _ in items]).reshape(-1, 3, 3)
-    spread = np.einsum("pij,pj->pi", np.abs(rotation), half)
-    low, high = centre - spread, centre + spread
-    around = slice(body, None)
-    empty = len(items) == body
-    return WorldArrays(
-        centre,
-        rotation,
-        half,
-        np.array([0 if isinstance(s, Box) else 1 for _, s, _ in items], dtype=np.int64),
-        low,
-        high,
-        np.array([first for _, _, first in items], dtype=np.int64),
-        body,
-        np.zeros(3) if empty else low[around].min(axis=0),
-        np.zeros(3) if empty else high[around].max(axis=0),
-        margin,
-        _first_active(arm, T_world_base, low, high, [first for _, _, first in items], margin),
-    )
-
-
-def _first_active(
-    arm: ArmModel,
-    T_world_base: Array,
-    low: Array,
-    high: Array,
-    first_links: list[int],
-    margin: float,
-) -> int:
-    """The first link that, stretched out from the first joint, could touch what it is checked for.
-
-    Only for arms that turn: a slide moves its root, so nothing is skipped there.
-    """
-    links = [link for link in arm.links if link.coordinate >= 0]
-    if any(link.prismatic for link in links):
-        return 0
-    T_root = T_world_base @ links[0].T_parent_joint
-    own_low, own_high = _turned_bounds(links[0], T_root)
-    around = np.all((low - margin <= own_high) & (high + margin >= own_low), axis=1)
-    if (around & (np.array(first_links) == 0)).any():
-        return 0
-    root = T_root[:3, 3]
-    gaps = np.linalg.norm(np.maximum(np.maximum(low - root, root - high), 0.0), axis=1)
-    stretch = 0.0
-    for number, link in enumerate(links[1:], start=1):
-        stretch += float(np.linalg.norm(link.T_parent_joint[:3, 3]))
-        own = np.linalg.norm(link.spheres[:, :3], axis=1) + link.spheres[:, 3]
-        reach = stretch + float(own.max(initial=0.0)) + margin
-        near = [g for g, first in zip(gaps, first_links, strict=True) if first <= number]
-        if number == len(links) - 1 or any(gap <= reach for gap in near):
-            return number
-    return 0
-
-
-def _turned_bounds(link: LinkModel, T: Array) -> tuple[Array, Array]:
-    """Axis-aligned bounds (3,), (3,) of a link that turns all around its axis at ``T`` (4, 4)."""
-    axis = T[:3, :3] @ link.axis
-    along = link.spheres[:, :3] @ link.axis
-    away = np.linalg.norm(link.spheres[:, :3] - along[:, None] * link.axis, axis=1)
-    middle = T[:3, 3] + along[:, None] * axis
-    spread = away[:, None] * np.sqrt(np.maximum(1.0 - axis**2, 0.0)) + link.spheres[:, 3:]
-    return (middle - spread).min(axis=0), (middle + spread).max(axis=0)
-
-
-def _half_extents(shape: Shape) -> Array:
-    if isinstance(shape, Box):
-        return shape.size / 2.0
-    return np.array([shape.radius, shape.radius, shape.height / 2.0])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from mamo_core.interfaces.kinematics import Kinematics, LineResult
@@ -22,14 +24,17 @@ class ChainKinematics(Kinematics):
         self._options = options
         # Beyond a full turn nothing new is found: sample near home there.
         self._low = np.maximum(arm.lower, self._home - np.pi)
-        self._high = np.minimum(arm.upper, self._home + np.pi)
+        self._range = np.minimum(arm.upper, self._home + np.pi) - self._low
 
     def forward(self, configuration: Array) -> Array:
-        T, _, _ = self._frames(configuration)
-        return np.vstack([T, [0.0, 0.0, 0.0, 1.0]])
+        T = np.zeros((4, 4))
+        T[3, 3] = 1.0
+        self._frames(configuration, T[:3])
+        return T
 
     def jacobian(self, configuration: Array) -> Array:
-        T, R, p = self._frames(configuration)
+        T = np.empty((3, 4))
+        R, p = self._frames(configuration, T)
         J = np.empty((6, self._home.size))
         fill_jacobian(self._chain, R, p, T, J)
         return J
@@ -42,9 +47,8 @@ class ChainKinematics(Kinematics):
         count: int,
         near: Array | None = None,
     ) -> Array:
-        drawn = rng.uniform(
-            self._low, self._high, (count * self._options.attempts, self._home.size)
-        )
+        drawn = rng.random((count * self._options.attempts, self._home.size))
+        drawn = self._low + self._range * drawn
         seeds = drawn if near is None else np.vstack([near[None, :], drawn])
         goal = np.ascontiguousarray(T_world_tool[:3], dtype=np.float64)
         found = np.empty((count, self._home.size))
@@ -52,17 +56,21 @@ class ChainKinematics(Kinematics):
         return found[: inverse_batch(self._chain, goal, seeds, self._home, apart, found)]
 
     def follow_line(self, start: Array, T_world_end: Array, *, step: float = 0.01) -> LineResult:
-        T = self.forward(start)
-        length = float(np.linalg.norm(T_world_end[:3, 3] - T[:3, 3]))
-        turn = np.arccos(np.clip((np.trace(T[:3, :3].T @ T_world_end[:3, :3]) - 1) / 2, -1, 1))
+        T = np.empty((3, 4))
+        self._frames(start, T)
+        offset = T_world_end[:3, 3] - T[:, 3]
+        length = math.sqrt(offset.dot(offset))
+        cosine = ((T[:, :3].T @ T_world_end[:3, :3]).trace() - 1) / 2
+        turn = np.arccos(min(max(cosine, -1.0), 1.0))
         steps = max(1, int(np.ceil(max(length / step, turn / 0.1))))
         goal = np.ascontiguousarray(T_world_end[:3], dtype=np.float64)
         path = np.empty((steps + 1, self._home.size))
         count = line_path(self._chain, np.array(start, dtype=np.float64), goal, path)
         return LineResult(path[:count], (count - 1) / steps)
 
-    def _frames(self, configuration: Array) -> tuple[Array, Array, Array]:
+    def _frames(self, configuration: Array, T: Array) -> tuple[Array, Array]:
+        """Fills the tool frame ``T`` (3, 4); rotations (dof, 3, 3) and origins of the links."""
         dof = self._home.size
-        R, p, T = np.empty((dof, 3, 3)), np.empty((dof, 3)), np.empty((3, 4))
+        R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
         tool_frame(self._chain, np.array(configuration, dtype=np.float64), R, p, T)
-        return T, R, p
+        return R, p

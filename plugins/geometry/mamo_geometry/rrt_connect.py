@@ -77,7 +77,9 @@ def _trees(start: Array, goals: Array, room: int) -> tuple[Array, IntArray]:
     nodes = np.empty((2, size, start.size))
     nodes[0, 0] = start
     nodes[1, : len(goals)] = goals
-    return nodes, np.full((2, size), -1, dtype=np.int64)
+    parents = np.empty((2, size), dtype=np.int64)
+    parents[:, : max(1, len(goals))] = -1
+    return nodes, parents
 
 
 def _joined(nodes: Array, parents: IntArray, mine: int, theirs: int) -> tuple[Array, int]:

@@ -78,8 +78,8 @@ def connect(
 ) -> tuple[int, int]:
     """Grow the trees until they meet: the two nodes that stand in the same place, or -1, -1.
 
-    ``nodes`` (2, n, dof) and ``parents`` (2, n), all -1: tree 0 starts with one node, tree 1 with
-    ``roots`` goals, all of them free. Samples within ``low``..``high`` (dof,).
+    ``nodes`` (2, n, dof) and ``parents`` (2, n): tree 0 starts with one node, tree 1 with ``roots``
+    goals, all of them free and with parent -1. Samples within ``low``..``high`` (dof,).
     """
     dof, room = nodes.shape[2], nodes.shape[1] - 2
     counts = np.empty(2, dtype=np.int64)

@@ -12,26 +12,32 @@ from mamo_core.types.geometry import Array, BoolArray, invert, matrix_from_pose
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import Scene
 from mamo_geometry.arrays import (
+    ArmSpheres,
     ChainArrays,
     Cover,
     SphereArrays,
     WorldArrays,
     chain_arrays,
     held_cover,
-    sphere_arrays,
     with_held,
-    world_arrays,
 )
 from mamo_geometry.kernels import edges_batch, free_batch, hands_free, sweep_heights
 from mamo_geometry.options import SphereCheckerOptions
+from mamo_geometry.recent import Recent
+from mamo_geometry.surroundings import Surroundings
+
+_WORLDS, _HELD = 32, 8
 
 
 class SphereWorld(CollisionWorld):
     """Arrays ready for the kernels; the compiled planner of this package reads them, too."""
 
-    def __init__(self, chain: ChainArrays, spheres: SphereArrays, world: WorldArrays) -> None:
+    def __init__(
+        self, chain: ChainArrays, spheres: SphereArrays, world: WorldArrays, T_tool_link: Array
+    ) -> None:
+        """``T_tool_link`` (4, 4): the last link in the tool."""
         self.chain, self.spheres, self.world = chain, spheres, world
-        self._T_tool_link = invert(np.vstack([chain.tool, [0.0, 0.0, 0.0, 1.0]]))
+        self._T_tool_link = T_tool_link
 
     def free(self, configurations: Array) -> BoolArray:
         return free_batch(self.chain, self.spheres, self.world, _rows(configurations))
@@ -50,8 +56,14 @@ class SphereChecker(CollisionChecker):
     def __init__(self, scene: Scene, arm: ArmModel, options: SphereCheckerOptions) -> None:
         self._scene, self._arm, self._options = scene, arm, options
         self._chain = chain_arrays(arm, matrix_from_pose(scene.T_world_base))
+        self._T_tool_link = invert(arm.T_link_tool)
+        self._surroundings = Surroundings(scene, arm)
+        self._arm_spheres = ArmSpheres(arm)
         self._bare: dict[float, SphereArrays] = {}
         self._covers: dict[str, Cover] = {}
+        # One state is asked about many times, and what the arm holds in several worlds.
+        self._worlds: Recent[WorldArrays] = Recent(_WORLDS)
+        self._loaded: Recent[SphereArrays] = Recent(_HELD)
 
     def world(
         self,
@@ -62,10 +74,12 @@ class SphereChecker(CollisionChecker):
         held: HeldObject | None = None,
         margin: float = 0.0,
     ) -> SphereWorld:
-        arrays = world_arrays(
-            self._scene, self._arm, object_poses, ignore, self._options.margin + margin
+        kept = self._options.margin + margin
+        arrays = self._worlds.get(
+            (object_poses.tobytes(), frozenset(ignore), kept),
+            lambda: self._surroundings.world(object_poses, ignore, kept),
         )
-        return SphereWorld(self._chain, self._spheres(opening, held), arrays)
+        return SphereWorld(self._chain, self._spheres(opening, held), arrays, self._T_tool_link)
 
     def swept_region(
         self, path: Array, *, opening: float, held: HeldObject | None = None
@@ -92,10 +106,15 @@ class SphereChecker(CollisionChecker):
 
     def _spheres(self, opening: float, held: HeldObject | None) -> SphereArrays:
         if opening not in self._bare:
-            self._bare[opening] = sphere_arrays(self._arm, opening)
+            self._bare[opening] = self._arm_spheres.at(opening)
         bare = self._bare[opening]
         if held is None:
             return bare
+        up = None if held.up is None else held.up.tobytes()
+        key = (opening, held.name, held.T_tool_object.tobytes(), up)
+        return self._loaded.get(key, lambda: self._with(bare, held))
+
+    def _with(self, bare: SphereArrays, held: HeldObject) -> SphereArrays:
         if held.name not in self._covers:
             self._covers[held.name] = held_cover(held.shape)
         T_link_object = self._arm.T_link_tool @ held.T_tool_object
@@ -106,4 +125,4 @@ class SphereChecker(CollisionChecker):
 
 def _rows(configurations: Array) -> Array:
     """A writable copy (k, dof): read-only arrays would have every kernel compiled once more."""
-    return np.array(np.atleast_2d(configurations), dtype=np.float64, order="C")
+    return np.array(configurations, dtype=np.float64, order="C", ndmin=2)

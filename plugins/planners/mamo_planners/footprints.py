@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from mamo_core.types.geometry import Array, Box, Shape, footprint_corners, yaw_of
+from mamo_core.types.geometry import Array, BoolArray, Box, Shape, footprint_corners, yaw_of
 
 
 def extent_along(shape: Shape, pose: Array, direction: Array) -> float:
@@ -19,31 +21,68 @@ def extent_along(shape: Shape, pose: Array, direction: Array) -> float:
     return float(min(sides))
 
 
+class Outlines:
+    """Convex outlines (k, 2) that stand still, ready to be compared with many that do not."""
+
+    def __init__(self, outlines: Sequence[Array]) -> None:
+        self._low = np.array([o.min(axis=0) for o in outlines]).reshape(-1, 2)
+        self._high = np.array([o.max(axis=0) for o in outlines]).reshape(-1, 2)
+        sizes = np.array([len(o) for o in outlines], dtype=np.int64)
+        # Outlines with the same number of corners are compared in one computation.
+        self._groups = [
+            (numbers, np.array([outlines[i] for i in numbers.tolist()]))
+            for numbers in (np.flatnonzero(sizes == size) for size in np.unique(sizes))
+        ]
+
+    def overlapped(self, moved: Array, relevant: BoolArray | None = None) -> BoolArray:
+        """Which of the outlines ``moved`` (m, k, 2) overlap one of these: bool (m,).
+
+        ``relevant`` (m, n): the pairs that are looked at, if not all.
+        """
+        low, high = moved.min(axis=1)[:, None], moved.max(axis=1)[:, None]
+        near = ((low <= self._high) & (self._low <= high)).all(axis=2)
+        if relevant is not None:
+            near &= relevant
+        found = np.zeros(len(moved), dtype=np.bool_)
+        for numbers, outlines in self._groups:
+            # What overlaps one of them is not looked at again.
+            mine, theirs = np.nonzero(near[:, numbers] & ~found[:, None])
+            if len(mine):
+                hit = ~_separated(moved[mine], outlines[theirs])
+                found[mine[hit]] = True
+        return found
+
+
 def free_slide(
-    shape: Shape, pose: Array, moves: Array, obstacles: list[Array], lower: Array, upper: Array
+    shape: Shape, pose: Array, moves: Array, obstacles: Outlines, lower: Array, upper: Array
 ) -> int:
     """How many of ``moves`` (m, 2), in order, keep the footprint clear and within the bounds.
 
-    ``obstacles``: convex outlines (k, 2). The outline of a cylinder is circumscribed.
+    The outline of a cylinder is circumscribed.
     """
-    corners = footprint_corners(shape, pose)
-    for count, move in enumerate(moves):
-        moved = corners + move
-        if (moved.min(axis=0) < lower).any() or (moved.max(axis=0) > upper).any():
-            return count
-        if any(overlap(moved, other) for other in obstacles):
-            return count
-    return len(moves)
+    moved = footprint_corners(shape, pose) + moves[:, None]
+    outside = (moved.min(axis=1) < lower) | (moved.max(axis=1) > upper)
+    blocked = outside.any(axis=1) | obstacles.overlapped(moved)
+    return int(np.argmax(blocked)) if blocked.any() else len(moves)
 
 
 def overlap(a: Array, b: Array) -> bool:
     """Whether two convex outlines (k, 2) share area (separating axes)."""
     if (a.min(axis=0) > b.max(axis=0)).any() or (b.min(axis=0) > a.max(axis=0)).any():
         return False
-    for polygon in (a, b):
-        edges = np.roll(polygon, -1, axis=0) - polygon
-        normals = np.stack([-edges[:, 1], edges[:, 0]], axis=1)
-        pa, pb = a @ normals.T, b @ normals.T
-        if ((pa.min(axis=0) > pb.max(axis=0)) | (pb.min(axis=0) > pa.max(axis=0))).any():
-            return False
-    return True
+    return not _separated(a[None], b[None])[0]
+
+
+def _separated(a: Array, b: Array) -> BoolArray:
+    """Whether an edge of the convex outlines ``a`` (m, i, 2) or ``b`` (m, j, 2) parts the two."""
+    parted = np.zeros(len(a), dtype=np.bool_)
+    for polygons in (a, b):
+        normals = np.empty_like(polygons)
+        following = np.concatenate([polygons[:, 1:], polygons[:, :1]], axis=1)
+        normals[..., 0] = -(following[..., 1] - polygons[..., 1])
+        normals[..., 1] = following[..., 0] - polygons[..., 0]
+        across = normals.swapaxes(1, 2)
+        pa, pb = a @ across, b @ across
+        gap = (pa.min(axis=1) > pb.max(axis=1)) | (pb.min(axis=1) > pa.max(axis=1))
+        parted |= gap.any(axis=1)
+    return parted

@@ -14,7 +14,7 @@ from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.interfaces.retrieval import Retrieval, RetrievalPlanner
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.timing import interpolated, time_path
-from mamo_core.types.geometry import Array, invert, matrix_from_pose
+from mamo_core.types.geometry import Array, Box, invert, matrices_from_poses, matrix_from_pose
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.problem import Grasp, Problem
 from mamo_core.types.region import SweptRegion
@@ -29,6 +29,8 @@ _AT_ONCE = 16
 _REACH_STEP = 0.01
 _APPROACH_SHARES = (1.0, 0.65, 0.45, 0.3)
 _TOOL_SPEED_STEP = 0.1
+_ROOMY, _SLOWEST = 0.004, 0.3
+"""Beside the target, m, from which the hand goes at full speed, and the least share of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +62,8 @@ class GraspAndExtract(RetrievalPlanner):
         scene = problem.scene
         self._target = scene.objects[scene.target_index]
         self._movables = [o.name for o in scene.objects if o.mobility is Mobility.MOVABLE]
+        self._T_world_target = matrix_from_pose(problem.initial.object_poses[scene.target_index])
+        self._root, self._length = _outstretched(problem, arm)
         self._static_causes: Counter[str] = Counter()
         # Tight places leave few arm configurations: look harder before saying there are none.
         self._candidates = self._find_candidates(options.branches) or self._find_candidates(
@@ -108,10 +112,6 @@ class GraspAndExtract(RetrievalPlanner):
         """The target in the tool, from where the tool is when it is attached."""
         first = next(s for s in motion.segments if s.held is not None)
         return self._held_at(self._kinematics.forward(first.trajectory.positions[0]))
-
-    def _T_world_target(self) -> Array:
-        index = self._problem.scene.target_index
-        return matrix_from_pose(self._problem.initial.object_poses[index])
 
     def _find_candidates(self, branches: int) -> list[_Candidate]:
         """Grasps are looked at in the problem's order until enough of them work."""
@@ -189,31 +189,19 @@ class GraspAndExtract(RetrievalPlanner):
 
     def _screened(self, numbers: list[int], world: CollisionWorld) -> Iterator[tuple[int, Array]]:
         """Grasps with ``T_world_tool`` (4, 4), within reach, where there is room for the hand."""
-        grasps = [self._problem.grasps[number] for number in numbers]
-        tools = self._T_world_target() @ np.array(
-            [matrix_from_pose(g.T_object_tool) for g in grasps]
-        )
+        grasps = np.array([self._problem.grasps[number].T_object_tool for number in numbers])
+        tools = self._T_world_target @ matrices_from_poses(grasps)
         for number, T_grasp, free in zip(numbers, tools, world.hands_free(tools), strict=True):
-            if not self._within_reach(T_grasp):
+            if np.linalg.norm(T_grasp[:3, 3] - self._root) > self._length:
                 self._static_causes["out_of_reach"] += 1
             elif not free:
                 self._static_causes["hand_blocked"] += 1
             else:
                 yield number, T_grasp
 
-    def _within_reach(self, T_grasp: Array) -> bool:
-        """A bound that proves: the links stretched out cannot be longer than their lengths."""
-        first = next(link for link in self._arm.links if link.coordinate == 0)
-        T_world_base = matrix_from_pose(self._problem.scene.T_world_base)
-        root = (T_world_base @ first.T_parent_joint)[:3, 3]
-        chain = [link for link in self._arm.links if link.coordinate > 0]
-        length = sum(float(np.linalg.norm(link.T_parent_joint[:3, 3])) for link in chain)
-        length += float(np.linalg.norm(self._arm.T_link_tool[:3, 3]))
-        return bool(np.linalg.norm(T_grasp[:3, 3] - root) <= length)
-
     def _held_at(self, T_world_tool: Array) -> HeldObject:
         """The target in the hand, taken where it stands."""
-        T = invert(T_world_tool) @ self._T_world_target()
+        T = invert(T_world_tool) @ self._T_world_target
         return HeldObject(self._target.name, self._target.shape, T, up=T[:3, 2])
 
     def _back_path(self, q: Array, number: int, world: CollisionWorld) -> Array | None:
@@ -230,7 +218,7 @@ class GraspAndExtract(RetrievalPlanner):
     def _lift_path(self, q: Array, carried: CollisionWorld) -> Array | None:
         """Straight up by as much as the ceiling leaves, at most the option's lift."""
         T = self._kinematics.forward(q)
-        top = float(self._T_world_target()[2, 3]) + self._target.shape.height / 2.0
+        top = float(self._T_world_target[2, 3]) + self._target.shape.height / 2.0
         gap = float(self._problem.scene.workspace.upper[2]) - top
         height = min(self._options.lift, max(gap - self._options.ceiling_gap, gap / 2.0))
         for share in (1.0, 0.6, 0.35):
@@ -243,18 +231,17 @@ class GraspAndExtract(RetrievalPlanner):
 
     def _unblocked(self, state: SceneState, candidates: list[_Candidate]) -> list[_Candidate]:
         """Candidates whose reach and lifted pose are free among the objects of ``state``."""
-        worlds = {
-            opening: self._collision.world(
+        openings = np.array([candidate.grasp.opening for candidate in candidates])
+        clear = np.zeros(len(candidates), dtype=np.bool_)
+        for opening in set(openings.tolist()):
+            same = np.flatnonzero(openings == opening)
+            world = self._collision.world(
                 state.object_poses, opening=opening, ignore=[self._target.name]
             )
-            for opening in {candidate.grasp.opening for candidate in candidates}
-        }
-        usable = []
-        for candidate in candidates:
-            world = worlds[candidate.grasp.opening]
-            if world.free(candidate.reach).all() and world.free(candidate.lift[-1])[0]:
-                usable.append(candidate)
-        return usable
+            ways = [np.vstack([candidates[k].reach, candidates[k].lift[-1:]]) for k in same]
+            starts = np.cumsum([0, *(len(way) for way in ways[:-1])])
+            clear[same] = np.logical_and.reduceat(world.free(np.concatenate(ways)), starts)
+        return [candidates[k] for k in np.flatnonzero(clear)]
 
     def _try(
         self,
@@ -304,7 +291,7 @@ class GraspAndExtract(RetrievalPlanner):
                 ),
                 MotionSegment(
                     SegmentKind.REACH,
-                    self._timed(chosen.reach, options.reach_speed),
+                    self._timed(chosen.reach, self._reach_speed(chosen.grasp)),
                     opening,
                     contact_free=True,
                 ),
@@ -317,7 +304,7 @@ class GraspAndExtract(RetrievalPlanner):
                 ),
                 MotionSegment(
                     SegmentKind.CARRY,
-                    self._timed(carry, options.carry_speed),
+                    self._timed(carry, options.carry_speed, chosen.held.T_tool_object),
                     opening,
                     held=name,
                     contact_free=True,
@@ -326,13 +313,35 @@ class GraspAndExtract(RetrievalPlanner):
             self._arm.gripper.closed,
         )
 
-    def _timed(self, path: Array, tool_speed: float) -> Trajectory:
-        if np.isfinite(tool_speed):
+    def _reach_speed(self, grasp: Grasp) -> float:
+        """Slower where the target nearly fills the hand: servos stray more the faster they go."""
+        shape, across = self._target.shape, matrix_from_pose(grasp.T_object_tool)[:3, 1]
+        width = np.abs(across) @ shape.size if isinstance(shape, Box) else 2.0 * shape.radius
+        gap = (grasp.opening - float(width)) / 2.0
+        return self._options.reach_speed * float(np.clip(gap / _ROOMY, _SLOWEST, 1.0))
+
+    def _timed(self, path: Array, speed: float, T_tool_point: Array | None = None) -> Trajectory:
+        """No faster than ``speed`` (m/s) at the tool, or at a point of it."""
+        if np.isfinite(speed):
             path = interpolated(path, _TOOL_SPEED_STEP)
+        T = np.eye(4) if T_tool_point is None else T_tool_point
         return time_path(
             path,
             self._arm.velocity,
             scale=self._options.joint_speed,
-            tool_positions=np.array([self._kinematics.forward(q)[:3, 3] for q in path]),
-            tool_speed=tool_speed,
+            tool_positions=np.array([(self._kinematics.forward(q) @ T)[:3, 3] for q in path]),
+            tool_speed=speed,
         )
+
+
+def _outstretched(problem: Problem, arm: ArmModel) -> tuple[Array, float]:
+    """Where the arm begins (3,), and a length (m) that proves what is out of its reach.
+
+    The links stretched out cannot be longer than their lengths.
+    """
+    first = next(link for link in arm.links if link.coordinate == 0)
+    T_world_base = matrix_from_pose(problem.scene.T_world_base)
+    chain = [link for link in arm.links if link.coordinate > 0]
+    length = sum(float(np.linalg.norm(link.T_parent_joint[:3, 3])) for link in chain)
+    length += float(np.linalg.norm(arm.T_link_tool[:3, 3]))
+    return (T_world_base @ first.T_parent_joint)[:3, 3], length

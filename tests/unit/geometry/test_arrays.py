@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import trimesh
-from mamo_geometry.arrays import held_cover, shape_spheres, sphere_arrays, with_held
+from mamo_geometry.arrays import ArmSpheres, held_cover, shape_spheres, with_held
 
 from mamo_core.robots import load_arm
 from mamo_core.robots.kinematics import finger_transforms
@@ -29,7 +29,7 @@ def of_link(arrays, link):
 @pytest.mark.parametrize("opening", [0.005, 0.07])
 def test_hulls_are_covered_fingers_included(name, opening):
     arm = load_arm(name)
-    arrays = sphere_arrays(arm, opening)
+    arrays = ArmSpheres(arm).at(opening)
     fingers = finger_transforms(arm.links, arm.gripper.drive(opening))
     carrier = arm.links[arm.tool_link].coordinate
     for number, link in enumerate(arm.links):
@@ -60,7 +60,7 @@ def check_levels(arrays):
 
 @pytest.mark.parametrize("name", ARMS)
 def test_every_level_covers_the_next(name):
-    check_levels(sphere_arrays(load_arm(name), 0.03))
+    check_levels(ArmSpheres(load_arm(name)).at(0.03))
 
 
 SHAPES = [Box(np.array([0.06, 0.11, 0.2])), Cylinder(0.04, 0.16), Box(np.array([0.06, 0.06, 0.06]))]
@@ -91,7 +91,7 @@ def test_sides_of_held_shapes_are_covered(shape):
 
 def test_a_held_object_is_added_to_the_hand():
     arm = load_arm("pr2_right_arm")
-    bare = sphere_arrays(arm, 0.07)
+    bare = ArmSpheres(arm).at(0.07)
     T = np.eye(4)
     T[:3, 3] = 0.2, 0.0, -0.03
     cover = held_cover(SHAPES[1])

@@ -190,6 +190,33 @@ def test_touched_cells_hold_the_whole_outline():
                 assert region.touched_cells(shape, pose)[tuple(cell)]
 
 
+def test_only_cells_near_the_footprint_are_touched():
+    """Wherever the body stands, and also outside of the region: every cell by its distance."""
+    region = patchy_region(4)
+    rng = np.random.default_rng(5)
+    nx, ny = region.lowest.shape
+    cells = np.stack(np.meshgrid(np.arange(nx), np.arange(ny), indexing="ij"), axis=-1)
+    centres = region.origin + (cells + 0.5) * region.resolution
+    size = np.array([nx, ny]) * region.resolution
+    reach = region.resolution * np.sqrt(0.5)
+    for _ in range(100):
+        shape, pose = random_body(rng, region)
+        pose = make_pose(
+            [*(region.origin + rng.uniform(-0.3, 1.3, 2) * size), pose[2]], yaw_of(pose)
+        )
+        c, s = np.cos(yaw_of(pose)), np.sin(yaw_of(pose))
+        local = np.abs((centres - pose[:2]) @ np.array([[c, -s], [s, c]]))
+        if isinstance(shape, Cylinder):
+            distance = np.linalg.norm(local, axis=-1) - shape.radius
+        else:
+            distance = np.linalg.norm(np.maximum(local - shape.size[:2] / 2.0, 0.0), axis=-1)
+        touched = region.touched_cells(shape, pose)
+        certain = np.abs(distance - reach) > 1e-9
+        assert np.array_equal(touched[certain], (distance <= reach)[certain])
+        hit = touched & (region.lowest < pose[2] + shape.height / 2.0)
+        assert region.overlap(shape, pose) == hit.sum() * region.resolution**2
+
+
 def test_united_is_either():
     one, other = patchy_region(1), patchy_region(2)
     both = one.united(other)

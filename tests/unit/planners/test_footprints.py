@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mamo_planners.footprints import extent_along, free_slide
+from mamo_planners.footprints import Outlines, extent_along, free_slide, overlap
 
 from mamo_core.problems.footprints import footprint, separation
 from mamo_core.types.geometry import Box, Cylinder, footprint_corners, make_pose
@@ -63,28 +63,34 @@ def steps(direction, count, step=0.01):
 
 
 def test_a_free_slide_is_complete():
-    assert free_slide(BOX, make_pose([0, 0, 0]), steps([1, 0], 20), [], *OPEN) == 20
-    assert free_slide(BOX, make_pose([0, 0, 0]), np.zeros((0, 2)), [], *OPEN) == 0
+    assert free_slide(BOX, make_pose([0, 0, 0]), steps([1, 0], 20), Outlines([]), *OPEN) == 20
+    assert free_slide(BOX, make_pose([0, 0, 0]), np.zeros((0, 2)), Outlines([]), *OPEN) == 0
 
 
 def test_a_slide_stops_before_an_obstacle():
     """The box reaches to 0.1, the obstacle begins at 0.155: five steps of 1 cm."""
     obstacle = footprint_corners(Box(np.array([0.1, 0.1, 0.1])), make_pose([0.205, 0.0, 0.0]))
-    assert free_slide(BOX, make_pose([0, 0, 0]), steps([1, 0], 20), [obstacle], *OPEN) == 5
+    assert (
+        free_slide(BOX, make_pose([0, 0, 0]), steps([1, 0], 20), Outlines([obstacle]), *OPEN) == 5
+    )
 
 
 def test_a_slide_past_an_obstacle():
     """0.1 wide boxes, centres 0.101 apart across the slide."""
     obstacle = footprint_corners(Box(np.array([0.1, 0.1, 0.1])), make_pose([0.2, 0.101, 0.0]))
-    assert free_slide(BOX, make_pose([0, 0, 0]), steps([1, 0], 40), [obstacle], *OPEN) == 40
+    assert (
+        free_slide(BOX, make_pose([0, 0, 0]), steps([1, 0], 40), Outlines([obstacle]), *OPEN) == 40
+    )
     closer = obstacle - [0.0, 0.002]
-    assert free_slide(BOX, make_pose([0, 0, 0]), steps([1, 0], 40), [closer], *OPEN) < 10
+    assert free_slide(BOX, make_pose([0, 0, 0]), steps([1, 0], 40), Outlines([closer]), *OPEN) < 10
 
 
 def test_a_slide_stops_at_the_bounds():
     lower, upper = np.array([-1.0, -0.5]), np.array([0.135, 0.5])
-    assert free_slide(BOX, make_pose([0, 0, 0]), steps([1, 0], 20), [], lower, upper) == 3
-    assert free_slide(BOX, make_pose([0, 0, 0]), steps([-1, 0], 20), [], lower, upper) == 20
+    assert free_slide(BOX, make_pose([0, 0, 0]), steps([1, 0], 20), Outlines([]), lower, upper) == 3
+    assert (
+        free_slide(BOX, make_pose([0, 0, 0]), steps([-1, 0], 20), Outlines([]), lower, upper) == 20
+    )
 
 
 def test_diagonal_edges_are_seen():
@@ -92,7 +98,7 @@ def test_diagonal_edges_are_seen():
     square = Box(np.array([0.1, 0.1, 0.1]))
     obstacle = footprint_corners(square, make_pose([0.16, 0.16, 0.0], np.pi / 4))
     moved = free_slide(
-        square, make_pose([0, 0, 0], np.pi / 4), steps([1, 1], 20), [obstacle], *OPEN
+        square, make_pose([0, 0, 0], np.pi / 4), steps([1, 1], 20), Outlines([obstacle]), *OPEN
     )
     # Along the diagonal both turn a face: they meet when the centres are 0.1 apart.
     gap = np.hypot(0.16, 0.16) - 0.1
@@ -112,7 +118,7 @@ def test_slides_agree_with_exact_distances(shape, other, yaw, other_yaw, distanc
     pose = make_pose([0, 0, 0], yaw)
     other_pose = make_pose([distance, 0.0, 0.0], other_yaw)
     moves = steps(unit(angle), 50)
-    count = free_slide(shape, pose, moves, [footprint_corners(other, other_pose)], *OPEN)
+    count = free_slide(shape, pose, moves, Outlines([footprint_corners(other, other_pose)]), *OPEN)
 
     def gap(k):
         moved = make_pose([*(moves[k]), 0.0], yaw)
@@ -122,3 +128,32 @@ def test_slides_agree_with_exact_distances(shape, other, yaw, other_yaw, distanc
     if count < len(moves):
         # Polygons around circles stick out by half a percent.
         assert gap(count) < 0.0015
+
+
+PLACES = st.lists(st.tuples(SHAPES, st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), ANGLES), max_size=5)
+
+
+@QUICK
+@given(PLACES, SHAPES, ANGLES, st.integers(0, 1000))
+def test_many_overlaps_at_once(standing, shape, yaw, seed):
+    """Boxes and cylinders mixed, all pairs or some, as one pair at a time."""
+    rng = np.random.default_rng(seed)
+    outlines = [footprint_corners(s, make_pose([x, y, 0.0], turn)) for s, x, y, turn in standing]
+    corners = footprint_corners(shape, make_pose([0, 0, 0], yaw))
+    moved = corners + rng.uniform(-0.5, 0.5, (12, 1, 2))
+    pairs = np.array([[overlap(m, o) for o in outlines] for m in moved], dtype=bool)
+    pairs = pairs.reshape(len(moved), len(outlines))
+    obstacles = Outlines(outlines)
+    assert np.array_equal(obstacles.overlapped(moved), pairs.any(axis=1))
+    relevant = rng.random(pairs.shape) < 0.5
+    assert np.array_equal(obstacles.overlapped(moved, relevant), (pairs & relevant).any(axis=1))
+
+
+@QUICK
+@given(SHAPES, SHAPES, ANGLES, ANGLES, st.floats(0.05, 0.4), ANGLES)
+def test_overlap_is_no_distance(shape, other, yaw, other_yaw, distance, angle):
+    pose, there = make_pose([0, 0, 0], yaw), make_pose([*(distance * unit(angle)), 0.0], other_yaw)
+    gap = separation(footprint(shape, pose), footprint(other, there)).distance
+    meet = overlap(footprint_corners(shape, pose), footprint_corners(other, there))
+    # Polygons around circles stick out by half a percent.
+    assert meet if gap < -1e-9 else (gap < 0.0015 or not meet)

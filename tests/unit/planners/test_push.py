@@ -8,6 +8,7 @@ import pytest
 from mamo_planners.actions.push import Push
 from mamo_planners.actions.push_geometry import (
     ToolPose,
+    ToolPoses,
     awkwardness,
     rich_tool_poses,
     thesis_tool_poses,
@@ -17,7 +18,7 @@ from mamo_planners.options import PushOptions
 from mamo_core.interfaces.action_generator import ActionRequest
 from mamo_core.robots.exact_collision import ExactChecker
 from mamo_core.robots.timing import interpolated
-from mamo_core.types.geometry import Cylinder
+from mamo_core.types.geometry import Cylinder, tool_matrix
 from mamo_core.types.motion import SegmentKind
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import Mobility, SceneState
@@ -66,6 +67,25 @@ def pushes(problem, parts):
     found, statistics = proposals(problem, parts, request(problem))
     assert found, statistics.causes
     return found
+
+
+def test_every_tool_stands_behind_and_low():
+    """Each of the rich poses: where it is, how it is turned, and how low its hand gets."""
+    rng = np.random.default_rng(0)
+    hand = np.column_stack([rng.uniform(-0.1, 0.1, (20, 3)), rng.uniform(0.01, 0.03, 20)])
+    poses = rich_tool_poses()
+    for _ in range(5):
+        angle, position, extent = rng.uniform(-3, 3), rng.uniform(-1, 1, 2), rng.uniform(0, 0.1)
+        direction = np.array([np.cos(angle), np.sin(angle)])
+        tools = ToolPoses(poses, hand, 0.7, 0.004).behind(position, direction, extent)
+        for pose, T in zip(poses, tools, strict=True):
+            yaw = angle + pose.yaw_offset
+            behind = position - direction * (extent + pose.stand_off)
+            tip = behind + pose.overreach * np.array([np.cos(yaw), np.sin(yaw)])
+            expected = tool_matrix([*tip, T[2, 3]], yaw, pose.pitch)
+            np.testing.assert_allclose(T, expected, atol=1e-12)
+            lowest = (hand[:, :3] @ T[2, :3] + T[2, 3] - hand[:, 3]).min()
+            assert lowest == pytest.approx(0.704)
 
 
 def test_the_thesis_knows_one_pose():

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
 from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld, HeldObject
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.robots.model import ArmModel
-from mamo_core.types.geometry import Array, BoolArray, IntArray, invert, matrix_from_pose
+from mamo_core.types.geometry import (
+    Array,
+    BoolArray,
+    IntArray,
+    invert,
+    matrices_from_poses,
+    matrix_from_pose,
+)
 from mamo_core.types.problem import Problem
 from mamo_core.types.scene import Fixture, SceneState
 from mamo_planners.actions.grasp_set import GraspSet
@@ -18,6 +26,7 @@ from mamo_planners.options import PickPlaceOptions
 
 _STEP = 0.01
 _SCREENED = 5
+_GRASPS_AT_ONCE = 4
 _APPROACH_SHARES = (1.0, 0.65)
 _EXTRA_RETRACT = (0.0, 0.06, 0.12, 0.2)
 _LIFT_SHARES = (1.0, 0.5, 0.25)
@@ -127,21 +136,33 @@ class Handling:
 
         Likely ones first.
         """
-        put = np.array([matrix_from_pose(pose) for pose in places])
-        pairs = [(g, k) for g in self._fitting for k in range(len(places))]
-        g, k = np.array(pairs, dtype=int).reshape(-1, 2).T
-        tools = put[k] @ self._g.T_object_tool[g]
-        fits = self._hand_fits(g, tools)
-        self._count("place_hand_blocked", int(not fits.any()))
-        g, k, tools = g[fits], k[fits], tools[fits]
-        for grasp in list(dict.fromkeys(g.tolist()))[: self._p.options.grasps]:
-            goals = [(places[k[n]], tools[n]) for n in np.flatnonzero(g == grasp)]
+        put = matrices_from_poses(places)
+        fitting = self._fitting_goals(put)
+        none = True
+        for grasp, fits, tools in islice(fitting, self._p.options.grasps):
+            none = False
+            goals = list(zip(places[fits], tools, strict=True))
             for pickup in self._pickups(grasp):
                 if not goals:
                     break
                 drops = self._drops(grasp, pickup, goals)
                 if drops:
                     yield pickup, drops
+        self._count("place_hand_blocked", int(none))
+
+    def _fitting_goals(self, put: Array) -> Iterator[tuple[int, IntArray, Array]]:
+        """Grasps with which there is room for the hand at some of ``put`` (n, 4, 4).
+
+        With the numbers (k,) of these places, and the tool (k, 4, 4) there.
+        """
+        for first in range(0, len(self._fitting), _GRASPS_AT_ONCE):
+            some = self._fitting[first : first + _GRASPS_AT_ONCE]
+            tools = put[None] @ self._g.T_object_tool[some][:, None]
+            flat = tools.reshape(-1, 4, 4)
+            fits = self._hand_fits(np.repeat(some, len(put)), flat).reshape(tools.shape[:2])
+            for n in np.flatnonzero(fits.any(axis=1)):
+                places = np.flatnonzero(fits[n])
+                yield int(some[n]), places, tools[n, places]
 
     def _order(self) -> IntArray:
         """Grasps that look into the shelf first; some chance, for other ones when asked again."""
@@ -165,7 +186,9 @@ class Handling:
                 same = openings[left] == opening
                 free[same] = self.world(opening).hands_free(T[same])
             left = left[free]
-        return np.isin(np.arange(len(grasps)), left)
+        fits = np.zeros(len(grasps), dtype=np.bool_)
+        fits[left] = True
+        return fits
 
     def _pickups(self, grasp: int) -> Iterator[Pickup]:
         T, branches = self._tools[grasp], self._p.options.branches

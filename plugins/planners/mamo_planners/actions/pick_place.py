@@ -26,7 +26,7 @@ from mamo_core.types.solution import Statistics
 from mamo_planners.actions.grasp_set import GraspSet, grasps_of
 from mamo_planners.actions.handling import Drop, Handling, Parts, Pickup
 from mamo_planners.actions.pick_place_motion import MotionMaker
-from mamo_planners.actions.placement import FreeSpots, moved_to, turns
+from mamo_planners.actions.placement import FreeSpots, moved_to, turned, turns
 from mamo_planners.options import PickPlaceOptions
 
 _KIND = "pick_place"
@@ -133,8 +133,8 @@ class _Query:
         found = [xy for xy in self._spots() if np.linalg.norm(xy - here) >= options.shortest]
         standing = np.array(self._pose)
         standing[2] = self._scene.workspace.floor + self._shape.height / 2.0 + options.drop_height
-        placed = [moved_to(standing, xy, turn) for xy in found for turn in turns(self._shape)]
-        return np.array(placed).reshape(-1, 7)
+        ways = [moved_to(turned(standing, turn), found) for turn in turns(self._shape)]
+        return np.stack(ways, axis=1).reshape(-1, 7)
 
     def _spots(self) -> list[Array]:
         """Places (2,): the end of the path, then others near it; or anywhere on the shelf."""

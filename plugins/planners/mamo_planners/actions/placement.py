@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from mamo_core.types.geometry import (
     Array,
+    BoolArray,
     Box,
     Cylinder,
     Shape,
@@ -16,16 +18,24 @@ from mamo_core.types.geometry import (
 )
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import Scene
-from mamo_planners.footprints import overlap
+from mamo_planners.footprints import Outlines
 
 _CYLINDER_TURNS = (0.0, 0.5, -0.5, 1.0, -1.0)
 
 
-def moved_to(pose: Array, xy: Array, turn: float = 0.0) -> Array:
-    """``pose`` (7,) carried to ``xy`` (2,) at its height and turned by ``turn`` (rad) about z."""
+def turned(pose: Array, turn: float) -> Array:
+    """``pose`` (7,) turned by ``turn`` (rad) about the vertical through it."""
     T = tool_matrix([0.0, 0.0, 0.0], turn) @ matrix_from_pose(pose)
-    T[:3, 3] = [xy[0], xy[1], pose[2]]
+    T[:3, 3] = pose[:3]
     return pose_from_matrix(T)
+
+
+def moved_to(pose: Array, spots: npt.ArrayLike) -> Array:
+    """``pose`` (7,) carried to ``spots`` (n, 2) at its height: poses (n, 7)."""
+    places = np.asarray(spots, dtype=np.float64).reshape(-1, 2)
+    moved = np.tile(pose, (len(places), 1))
+    moved[:, :2] = places
+    return moved
 
 
 def turns(shape: Shape) -> tuple[float, ...]:
@@ -42,13 +52,10 @@ class FreeSpots:
         wide = _grown(self._shape, margin)
         self._outline = footprint_corners(wide, self._pose) - self._pose[:2]
         others = [i for i in range(len(scene.objects)) if i != number]
-        self._obstacles = [
-            footprint_corners(scene.objects[i].shape, object_poses[i]) for i in others
-        ]
+        outlines = [footprint_corners(scene.objects[i].shape, object_poses[i]) for i in others]
+        self._obstacles = Outlines(outlines)
         self._centers = object_poses[others, :2]
-        self._far = np.array(
-            [_reach(o, c) for o, c in zip(self._obstacles, self._centers, strict=True)]
-        )
+        self._far = np.array([_reach(o, c) for o, c in zip(outlines, self._centers, strict=True)])
         self._far += _reach(self._outline, np.zeros(2))
         self._lower = scene.workspace.lower[:2] - self._outline.min(axis=0)
         self._upper = scene.workspace.upper[:2] - self._outline.max(axis=0)
@@ -74,19 +81,20 @@ class FreeSpots:
         found: list[Array] = []
         if not (lower < upper).all():
             return found
-        for xy in rng.uniform(lower, upper, (tries, 2)):
-            if self._free(xy) and not region.overlaps(self._shape, moved_to(self._pose, xy)):
+        drawn = rng.uniform(lower, upper, (tries, 2))
+        free = drawn[self._free(drawn)]
+        for xy, pose in zip(free, moved_to(turned(self._pose, 0.0), free), strict=True):
+            if not region.overlaps(self._shape, pose):
                 found.append(xy)
             if len(found) == count:
                 break
         found.sort(key=lambda xy: float(np.linalg.norm(xy - center)))
         return found
 
-    def _free(self, xy: Array) -> bool:
-        """Whether the object with its margin fits at ``xy`` (2,)."""
-        near = np.flatnonzero(((self._centers - xy) ** 2).sum(axis=1) < self._far**2)
-        outline = self._outline + xy
-        return not any(overlap(outline, self._obstacles[i]) for i in near)
+    def _free(self, spots: Array) -> BoolArray:
+        """At which ``spots`` (n, 2) the object with its margin fits: bool (n,)."""
+        away = ((self._centers - spots[:, None]) ** 2).sum(axis=2)
+        return ~self._obstacles.overlapped(self._outline + spots[:, None], away < self._far**2)
 
 
 def _reach(outline: Array, center: Array) -> float:

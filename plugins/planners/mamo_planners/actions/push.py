@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -15,24 +16,25 @@ from mamo_core.robots.kinematics import finger_transforms
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.timing import time_path
 from mamo_core.types.action import RearrangementAction
-from mamo_core.types.geometry import Array, Shape, footprint_corners, tool_matrix
+from mamo_core.types.geometry import Array, BoolArray, Shape, footprint_corners
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind
 from mamo_core.types.problem import Problem
 from mamo_core.types.scene import Mobility, SceneState
 from mamo_core.types.solution import Statistics
 from mamo_planners.actions.push_geometry import (
     ToolPose,
-    awkwardness,
+    ToolPoses,
     rich_tool_poses,
     thesis_tool_poses,
 )
-from mamo_planners.footprints import extent_along, free_slide
+from mamo_planners.footprints import Outlines, extent_along, free_slide
 from mamo_planners.options import PushOptions
 
 _AGNOSTIC_LENGTHS = (0.06, 0.25)
 _LINE_STEP = 0.01
 _QUERY_SIZE = 6
 _SCREEN_STEP = 0.02
+_SCREENED_AT_ONCE = 12
 _SHUFFLE = 0.4
 
 
@@ -63,8 +65,11 @@ class Push(ActionGenerator):
         self._movables = [o.name for o in scene.objects if o.mobility is Mobility.MOVABLE]
         fixed = [i for i, o in enumerate(scene.objects) if o.mobility is not Mobility.MOVABLE]
         poses = problem.initial.object_poses
-        self._obstacles = [footprint_corners(scene.objects[i].shape, poses[i]) for i in fixed]
+        self._obstacles = Outlines(
+            [footprint_corners(scene.objects[i].shape, poses[i]) for i in fixed]
+        )
         self._hand = _hand_spheres(arm, self._opening)
+        self._rich = self._low(rich_tool_poses())
 
     def propose(
         self,
@@ -136,26 +141,28 @@ class Push(ActionGenerator):
         )
         found: list[_Start] = []
         tools = self._screened(pose, direction, extent, delta, rng, everything, fixed_only)
-        statistics.failed(name, "push", "hand_blocked", int(not tools))
-        for tool, T in tools:
-            if len(found) >= self._options.starts:
-                break
+        blocked = True
+        for tool, T in islice(tools, self._options.poses):
+            blocked = False
             solutions = self._kinematics.inverse(T, rng, count=self._options.branches)
             if not len(solutions):
                 statistics.failed(name, "push", "no_ik")
                 continue
             free = everything.free(solutions)
             statistics.failed(name, "push", "start_blocked", int((~free).sum()))
-            travel = self._travel(delta, tool)
+            travel = self._travel(delta, tool.stand_off)
             for q in solutions[free]:
                 sweep = self._sweep(q, T, direction, travel, fixed_only, name, statistics)
                 if sweep is not None:
                     found.append(_Start(sweep, {"yaw": tool.yaw_offset, "pitch": tool.pitch}))
+            if len(found) >= self._options.starts:
+                break
+        statistics.failed(name, "push", "hand_blocked", int(blocked))
         return found
 
-    def _travel(self, delta: Array, tool: ToolPose) -> float:
+    def _travel(self, delta: Array, stand_off: float) -> float:
         """Length of the sweep, m."""
-        return float(np.linalg.norm(delta)) + tool.stand_off + self._options.overshoot
+        return float(np.linalg.norm(delta)) + stand_off + self._options.overshoot
 
     def _screened(
         self,
@@ -166,42 +173,33 @@ class Push(ActionGenerator):
         rng: np.random.Generator,
         everything: CollisionWorld,
         fixed_only: CollisionWorld,
-    ) -> list[tuple[ToolPose, Array]]:
+    ) -> Iterator[tuple[ToolPose, Array]]:
         """Tool poses where the hand fits at the start and along the sweep; likely ones first."""
         tools = self._tool_poses(rng)
-        starts = np.array(
-            [
-                self._tool_at(pose[:2] - direction * (extent + tool.stand_off), direction, tool)
-                for tool in tools
-            ]
-        )
-        kept = []
-        for k in np.flatnonzero(everything.hands_free(starts)):
-            travel = self._travel(delta, tools[k])
-            steps = max(2, int(np.ceil(travel / _SCREEN_STEP)) + 1)
-            swept = np.repeat(starts[k][None], steps, axis=0)
-            swept[:, :2, 3] += np.linspace(0.0, travel, steps)[:, None] * direction
-            if fixed_only.hands_free(swept).all():
-                kept.append(k)
-        noise = rng.uniform(0.0, _SHUFFLE, len(tools))
-        kept.sort(key=lambda k: awkwardness(tools[k]) + noise[k])
-        return [(tools[k], starts[k]) for k in kept[: self._options.poses]]
+        starts = tools.behind(pose[:2], direction, extent)
+        fitting = np.flatnonzero(everything.hands_free(starts))
+        cost = tools.awkwardness + rng.uniform(0.0, _SHUFFLE, len(tools.poses))
+        order = fitting[np.argsort(cost[fitting], kind="stable")]
+        ways = {
+            off: _steps_along(direction, self._travel(delta, off)) for off in set(tools.stand_offs)
+        }
+        for first in range(0, len(order), _SCREENED_AT_ONCE):
+            some = order[first : first + _SCREENED_AT_ONCE].tolist()
+            swept = [ways[tools.stand_offs[k]] for k in some]
+            for k, free in zip(some, _all_free(fixed_only, starts[some], swept), strict=True):
+                if free:
+                    yield tools.poses[k], starts[k]
 
-    def _tool_poses(self, rng: np.random.Generator) -> list[ToolPose]:
+    def _tool_poses(self, rng: np.random.Generator) -> ToolPoses:
         if self._options.geometry == "thesis":
-            return thesis_tool_poses(rng)
-        return rich_tool_poses()
+            return self._low(thesis_tool_poses(rng))
+        return self._rich
 
-    def _tool_at(self, position: Array, direction: Array, tool: ToolPose) -> Array:
-        """``T_world_tool``: low over the floor, turned from the direction by the yaw offset."""
-        yaw = float(np.arctan2(direction[1], direction[0])) + tool.yaw_offset
-        T = tool_matrix([position[0], position[1], 0.0], yaw, tool.pitch)
-        T[:2, 3] += tool.overreach * np.array([np.cos(yaw), np.sin(yaw)])
-        turned = self._hand[:, :3] @ T[2, :3]
-        lowest = float((turned - self._hand[:, 3]).min())
-        floor = self._problem.scene.workspace.floor
-        T[2, 3] = floor - lowest + self._options.floor_gap
-        return T
+    def _low(self, poses: list[ToolPose]) -> ToolPoses:
+        """Tool poses with the hand close over the floor."""
+        return ToolPoses(
+            poses, self._hand, self._problem.scene.workspace.floor, self._options.floor_gap
+        )
 
     def _sweep(
         self,
@@ -281,6 +279,24 @@ class Push(ActionGenerator):
             opening,
         )
         return RearrangementAction("push", name, motion, goal, start.info)
+
+
+def _steps_along(direction: Array, travel: float) -> Array:
+    """Displacements (k, 2) from nothing to ``travel`` (m) along ``direction`` (2,)."""
+    count = max(2, int(np.ceil(travel / _SCREEN_STEP)) + 1)
+    return np.linspace(0.0, travel, count)[:, None] * direction
+
+
+def _all_free(world: CollisionWorld, tools: Array, ways: list[Array]) -> BoolArray:
+    """From which of ``tools`` (n, 4, 4) the hand is clear all the way.
+
+    ``ways``: displacements (k, 2) of each from where it is.
+    """
+    counts = [len(way) for way in ways]
+    swept = np.repeat(tools, counts, axis=0)
+    swept[:, :2, 3] += np.concatenate(ways)
+    starts = np.cumsum([0, *counts[:-1]])
+    return np.logical_and.reduceat(world.hands_free(swept), starts)
 
 
 def _hand_spheres(arm: ArmModel, opening: float) -> Array:

@@ -14,6 +14,7 @@ from mamo_core.types.mapf import (
     MAPFProblem,
 )
 from mamo_core.types.region import SweptRegion
+from mamo_planners.mapf.convex import hull
 from mamo_planners.mapf.solvers import cbs, ecbs, prioritized_planning
 
 
@@ -41,3 +42,5 @@ def warm_up() -> None:
     budget = MAPFBudget(nodes=20, expansions=20_000)
     for solver in (cbs(), ecbs(), prioritized_planning()):
         solver.solve(problem, budget, np.random.default_rng(0))
+    # Compiled code calls it in the above, but for an object that leans Python does.
+    hull(np.eye(3, 2), 3)
