@@ -27,7 +27,9 @@ _COLLIDES_WITH = {
     _OBJECT: _ROBOT | _OBJECT | _FIXTURE,
     _FIXTURE: _ROBOT | _OBJECT,
 }
-_ARMATURE = 0.02
+_ARMATURE = 0.1
+"""Of every joint, kg m^2. With less, what is welded to the hand shakes: contact and weld forces are
+computed before the servos' damping, which is implicit, and expect light joints to jump."""
 _FINGER_GAINS = (600.0, 8.0, 100.0)
 _TORSION, _ROLLING = 0.005, 0.0001
 
