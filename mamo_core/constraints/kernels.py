@@ -1,42 +1,41 @@
-"""Compiled screens: constraints look at every step, so one look must cost about a microsecond."""
+"""Compiled glances: every step is looked at, so one look must cost about a microsecond."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
-from mamo_core.types.geometry import Array
+from mamo_core.types.geometry import Array, BoolArray, IntArray
+from mamo_core.types.rollout import NO_CONTACTS
 
 
 @njit(cache=True)
-def least_cosine(axes: Array, reference: Array) -> float:
-    """Smallest dot product of corresponding rows of two arrays (n, 3)."""
-    least = 1.0
-    for i in range(axes.shape[0]):
-        dot = 0.0
-        for k in range(3):
-            dot += axes[i, k] * reference[i, k]
-        least = min(least, dot)
-    return least
+def within(
+    positions: Array,
+    z_axes: Array,
+    velocities: Array,
+    contacts: IntArray,
+    bounds: Array,
+    forbidden: BoolArray,
+) -> bool:
+    """Whether a step is within some limits.
 
-
-@njit(cache=True)
-def largest_square(vectors: Array) -> float:
-    """Largest squared norm of the rows of an array (n, 3)."""
-    largest = 0.0
-    for i in range(vectors.shape[0]):
-        square = vectors[i, 0] ** 2 + vectors[i, 1] ** 2 + vectors[i, 2] ** 2
-        largest = max(largest, square)
-    return largest
-
-
-@njit(cache=True)
-def deepest(positions: Array, lowest: Array) -> float:
-    """How far the z of positions (n, 3) is at most below ``lowest`` (n,); negative if above."""
-    depth = -np.inf
+    ``bounds`` (n, 6), of each object: lowest height, axis, least cosine, largest square of the
+    speed. ``forbidden`` (e, e). The rest is as in ``StepObservation``.
+    """
     for i in range(positions.shape[0]):
-        depth = max(depth, lowest[i] - positions[i, 2])
-    return depth
+        if bounds[i, 0] - positions[i, 2] > 0.0:
+            return False
+        cosine, square = 0.0, 0.0
+        for k in range(3):
+            cosine += z_axes[i, k] * bounds[i, 1 + k]
+            square += velocities[i, k] ** 2
+        if cosine < bounds[i, 4] or square > bounds[i, 5]:
+            return False
+    for n in range(contacts.shape[0]):  # noqa: SIM110
+        if forbidden[contacts[n, 0], contacts[n, 1]]:
+            return False
+    return True
 
 
 @njit(cache=True)
@@ -49,11 +48,11 @@ def largest_gap(values: Array, reference: Array) -> float:
 
 
 def warm_up() -> None:
-    """Compile the screens (or read them from numba's cache)."""
-    rows = np.zeros((1, 3))
-    least_cosine(rows, rows)
-    largest_square(rows)
-    deepest(rows, rows[:, 0].copy())
+    """Compile the glances for the arrays that engines show (or read them from numba's cache)."""
+    rows, bounds = np.zeros((2, 3)), np.zeros((2, 6))
+    forbidden = np.zeros((1, 1), dtype=np.bool_)
+    for positions in (rows, np.zeros((2, 7))[:, :3]):
+        within(positions, rows, rows, NO_CONTACTS, bounds, forbidden)
     writable, frozen = np.zeros(1), np.zeros(1)
     frozen.flags.writeable = False
     largest_gap(writable, writable)

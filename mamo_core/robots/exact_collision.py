@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,41 +14,54 @@ from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWo
 from mamo_core.robots.kinematics import link_transforms_along
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.timing import interpolated
-from mamo_core.types.geometry import Array, BoolArray, Box, Shape, matrix_from_pose
+from mamo_core.types.geometry import Array, BoolArray, Box, IntArray, Shape, matrix_from_pose
 from mamo_core.types.scene import Scene
 
 _EDGE_STEP = 0.02
 """Edges are checked at least this often, rad of the fastest joint."""
 
 
+_SLACK = 1e-9
+"""Boxes closer than this (m) may touch, whatever was rounded."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """Something that moves with link ``number``: its geometry and box ``lower``, ``upper`` (3,).
+    """Something that moves with link ``number``, and the box around it.
 
-    ``T_link_piece`` (4, 4) places the geometry's frame.
+    ``T_link_piece`` (4, 4) places the geometry's frame, in which the box has its ``centre`` (3,)
+    and ``half`` its size (3,).
     """
 
     number: int
     geometry: Any
-    lower: Array
-    upper: Array
+    centre: Array
+    half: Array
     T_link_piece: Array
 
 
 @dataclass(frozen=True, eq=False)
 class _Obstacle:
-    """``name`` and an fcl object, with its box ``lower``, ``upper`` (3,) in the world."""
+    """A body in the world; its frame is in the centre of the box around it, ``half`` (3,) large."""
 
     name: str
-    item: Any
-    lower: Array
-    upper: Array
+    shape: Shape
+    T_world_obstacle: Array
+    half: Array
+
+    @cached_property
+    def item(self) -> Any:
+        """The fcl object; most obstacles are never asked for it."""
+        import fcl
+
+        transform = _fcl_transform(fcl, self.T_world_obstacle)
+        return fcl.CollisionObject(_geometry(self.shape), transform)
 
 
 class ExactWorld(CollisionWorld):
     """Meshes of the arm against primitives. Slow; the authority for final paths.
 
-    Pairs whose axis-aligned boxes are apart cannot touch and are not looked at.
+    Pairs whose boxes are apart cannot touch and are not looked at.
     """
 
     def __init__(
@@ -61,8 +74,12 @@ class ExactWorld(CollisionWorld):
     ) -> None:
         self._arm, self._opening, self._T_world_base = arm, opening, T_world_base
         self._obstacles, self._pieces = obstacles, pieces
-        self._lower = np.array([obstacle.lower for obstacle in obstacles]).reshape(-1, 3)
-        self._upper = np.array([obstacle.upper for obstacle in obstacles]).reshape(-1, 3)
+        self._links = [piece.number for piece in pieces]
+        self._T_link_pieces = np.array([piece.T_link_piece for piece in pieces])[:, None]
+        self._centres = np.array([piece.centre for piece in pieces])
+        self._halves = np.array([piece.half for piece in pieces])
+        self._T_obstacles = np.array([o.T_world_obstacle for o in obstacles]).reshape(-1, 4, 4)
+        self._obstacle_halves = np.array([o.half for o in obstacles]).reshape(-1, 3)
 
     def free(self, configurations: Array) -> BoolArray:
         rows = np.atleast_2d(configurations)
@@ -86,30 +103,63 @@ class ExactWorld(CollisionWorld):
         import fcl
 
         links = link_transforms_along(self._arm, configurations, self._opening)
-        T_pieces = np.array([links[p.number] @ p.T_link_piece for p in self._pieces])
-        T_world_pieces = self._T_world_base @ T_pieces
-        close = self._close(T_world_pieces)
-        for row in np.flatnonzero(close.any(axis=(0, 2))):
-            for k, j in np.argwhere(close[:, row]):
-                T, obstacle = T_world_pieces[k, row], self._obstacles[j]
-                piece = fcl.CollisionObject(self._pieces[k].geometry, _fcl_transform(fcl, T))
-                if fcl.collide(piece, obstacle.item):
-                    yield int(row), obstacle.name
-                    break
+        T_world_pieces = self._T_world_base @ (links[self._links] @ self._T_link_pieces)
+        done = -1
+        for row, k, j in self._near(T_world_pieces).tolist():
+            if row == done:
+                continue
+            transform = _fcl_transform(fcl, T_world_pieces[k, row])
+            piece = fcl.CollisionObject(self._pieces[k].geometry, transform)
+            if fcl.collide(piece, self._obstacles[j].item):
+                done = row
+                yield row, self._obstacles[j].name
 
-    def _close(self, T_world_pieces: Array) -> BoolArray:
-        """Whether the boxes of pieces and obstacles overlap: (pieces, k, obstacles)."""
-        lower = np.array([piece.lower for piece in self._pieces])[:, None, :]
-        upper = np.array([piece.upper for piece in self._pieces])[:, None, :]
-        centres = np.einsum("pkij,pkj->pki", T_world_pieces[..., :3, :3], (lower + upper) / 2.0)
-        centres = centres + T_world_pieces[..., :3, 3]
-        halves = np.einsum(
-            "pkij,pkj->pki", np.abs(T_world_pieces[..., :3, :3]), (upper - lower) / 2.0
+    def _near(self, T_world_pieces: Array) -> IntArray:
+        """Numbers (n, 3), ascending, of configurations, pieces and obstacles whose boxes meet."""
+        R = T_world_pieces[..., :3, :3]
+        centres = np.einsum("pkij,pj->pki", R, self._centres) + T_world_pieces[..., :3, 3]
+        reach = np.einsum("pkij,pj->pki", np.abs(R), self._halves) + _SLACK
+        R_obstacles, where = self._T_obstacles[:, :3, :3], self._T_obstacles[:, :3, 3]
+        reach_obstacles = np.einsum("oij,oj->oi", np.abs(R_obstacles), self._obstacle_halves)
+        close = np.ones((*centres.shape[:2], len(where)), dtype=np.bool_)
+        for axis in range(3):
+            gaps = np.abs(centres[:, :, None, axis] - where[:, axis])
+            close &= gaps <= reach[:, :, None, axis] + reach_obstacles[:, axis]
+        found = np.argwhere(close.swapaxes(0, 1))
+        row, k, j = found.T
+        meet = _boxes_meet(
+            R[k, row],
+            self._halves[k],
+            R_obstacles[j],
+            self._obstacle_halves[j],
+            where[j] - centres[k, row],
         )
-        below = (centres - halves)[:, :, None, :] <= self._upper
-        above = (centres + halves)[:, :, None, :] >= self._lower
-        overlap: BoolArray = (below & above).all(axis=-1)
-        return overlap
+        return found[meet]
+
+
+def _boxes_meet(
+    R_world_one: Array, half_one: Array, R_world_other: Array, half_other: Array, way: Array
+) -> BoolArray:
+    """Whether oriented boxes meet, pair by pair (n,): none of 15 axes separates them.
+
+    ``R_world_one`` (n, 3, 3) and ``half_one`` (n, 3) are the frames and half sizes, ``way`` (n, 3)
+    leads from one centre to the other.
+    """
+    R = np.einsum("nki,nkj->nij", R_world_one, R_world_other)
+    # Axes of almost parallel edges are almost nothing: the slack keeps them from separating.
+    A = np.abs(R) + _SLACK
+    t = np.einsum("nki,nk->ni", R_world_one, way)
+    u = np.einsum("nki,nk->ni", R_world_other, way)
+    meet: BoolArray = (np.abs(t) <= half_one + np.einsum("nij,nj->ni", A, half_other)).all(axis=1)
+    meet &= (np.abs(u) <= half_other + np.einsum("nij,ni->nj", A, half_one)).all(axis=1)
+    for i in range(3):
+        i1, i2 = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            j1, j2 = (j + 1) % 3, (j + 2) % 3
+            reach = half_one[:, i1] * A[:, i2, j] + half_one[:, i2] * A[:, i1, j]
+            reach += half_other[:, j1] * A[:, i, j2] + half_other[:, j2] * A[:, i, j1]
+            meet &= np.abs(t[:, i2] * R[:, i1, j] - t[:, i1] * R[:, i2, j]) <= reach + _SLACK
+    return meet
 
 
 class ExactChecker(CollisionChecker):
@@ -146,17 +196,12 @@ class ExactChecker(CollisionChecker):
 
     def _held(self, held: HeldObject) -> _Piece:
         T = self._arm.T_link_tool @ held.T_tool_object
-        half = _half_size(held.shape)
-        return _Piece(self._arm.tool_link, _geometry(held.shape), -half, half, T)
+        geometry, half = _geometry(held.shape), _half_size(held.shape)
+        return _Piece(self._arm.tool_link, geometry, np.zeros(3), half, T)
 
 
 def _obstacle(name: str, shape: Shape, pose: Array) -> _Obstacle:
-    import fcl
-
-    T = matrix_from_pose(pose)
-    reach = np.abs(T[:3, :3]) @ _half_size(shape)
-    item = fcl.CollisionObject(_geometry(shape), _fcl_transform(fcl, T))
-    return _Obstacle(name, item, T[:3, 3] - reach, T[:3, 3] + reach)
+    return _Obstacle(name, shape, matrix_from_pose(pose), _half_size(shape))
 
 
 def _half_size(shape: Shape) -> Array:
@@ -175,7 +220,7 @@ def _geometry(shape: Shape) -> Any:
 
 @cache
 def _mesh(path: Path) -> tuple[Any, Array, Array]:
-    """The mesh as a tree, built once as it never changes, and its box."""
+    """The mesh as a tree, built once as it never changes, and its box: centre and half size."""
     import fcl
     import trimesh
 
@@ -184,8 +229,8 @@ def _mesh(path: Path) -> tuple[Any, Array, Array]:
     model.beginModel(len(mesh.vertices), len(mesh.faces))
     model.addSubModel(mesh.vertices, mesh.faces)
     model.endModel()
-    vertices = np.asarray(mesh.vertices)
-    return model, vertices.min(axis=0), vertices.max(axis=0)
+    lower, upper = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    return model, (lower + upper) / 2.0, (upper - lower) / 2.0
 
 
 def _fcl_transform(fcl: Any, T: Array) -> Any:

@@ -60,8 +60,12 @@ class GripperModel:
 
     def drive(self, opening: float) -> float:
         """Position of the finger joints for a gap between the fingers, m."""
+        return float(self.drives(np.array([opening]))[0])
+
+    def drives(self, openings: Array) -> Array:
+        """Positions (k,) of the finger joints for gaps (k,) between the fingers, m."""
         table = self.drive_of_opening
-        return float(np.interp(opening, table[:, 0], table[:, 1]))
+        return np.interp(openings, table[:, 0], table[:, 1])
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
 from mamo_core.types.geometry import Array
@@ -114,8 +112,9 @@ def _steps(values: Array) -> Array:
 
 def interpolated(path: Array, step: float) -> Array:
     """The path (k, dof) with no joint moving more than ``step`` (rad) between rows."""
-    rows = [path[:1]]
-    for a, b in pairwise(path):
-        count = max(1, int(np.ceil(np.abs(b - a).max() / step)))
-        rows.append(a + (b - a) * (np.arange(1, count + 1) / count)[:, None])
-    return np.vstack(rows)
+    ways = np.diff(path, axis=0)
+    counts = np.maximum(1, np.ceil(np.abs(ways).max(axis=1, initial=0.0) / step)).astype(np.int64)
+    pieces = np.repeat(np.arange(len(counts)), counts)
+    within = np.arange(1, len(pieces) + 1) - np.repeat(np.cumsum(counts) - counts, counts)
+    shares = (within / counts[pieces])[:, None]
+    return np.vstack([path[:1], path[:-1][pieces] + ways[pieces] * shares])

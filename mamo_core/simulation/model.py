@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,14 +11,12 @@ from mamo_core.interfaces.simulated_world import SimulatedWorld
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
 from mamo_core.robots.model import ArmModel
 from mamo_core.simulation.run import MotionRun
+from mamo_core.simulation.worlds import WorldFactory, Worlds, same_parameters
 from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import SceneState
-
-WorldFactory = Callable[[ParameterOverrides | None], SimulatedWorld]
-"""A new world, with other masses and frictions if some are given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +50,10 @@ class SimulatedModel(TransitionModel):
         make_world: WorldFactory,
     ) -> None:
         self._problem, self._arm, self._constraints = problem, arm, tuple(constraints)
-        self._make_world = make_world
-        self._nominal = make_world(None)
+        self._pool = Worlds(make_world)
+        # Errors of building the world reach who builds the model.
+        with self._pool.borrowed(None):
+            pass
 
     def rollout(
         self,
@@ -64,10 +64,10 @@ class SimulatedModel(TransitionModel):
         options: RolloutOptions | None = None,
         continue_from: Any = None,
     ) -> RolloutResult:
-        world = self._nominal if parameters is None else self._make_world(parameters)
         chosen = options if options is not None else RolloutOptions()
         if continue_from is None:
-            return self._fresh(world, parameters, state, motion, chosen)
+            with self._pool.borrowed(parameters) as world:
+                return self._fresh(world, parameters, state, motion, chosen)
         if not isinstance(continue_from, Continuation):
             raise ValueError(
                 f"continue_from: {type(continue_from).__name__}, expected what an earlier "
@@ -75,11 +75,13 @@ class SimulatedModel(TransitionModel):
             )
         if not same_parameters(parameters, continue_from.parameters):
             raise ValueError("continue_from: cannot be continued with other parameters")
-        return self._continued(world, state, motion, chosen, continue_from)
+        with self._pool.borrowed(parameters) as world:
+            return self._continued(world, state, motion, chosen, continue_from)
 
     def tool_pose(self, state: SceneState) -> Array:
-        self._nominal.reset(state, self._arm.gripper.drive(self._arm.gripper.closed))
-        return self._nominal.tool_pose()
+        with self._pool.borrowed(None) as world:
+            world.reset(state, self._arm.gripper.drive(self._arm.gripper.closed))
+            return world.tool_pose()
 
     def _fresh(
         self,
@@ -143,10 +145,3 @@ class SimulatedModel(TransitionModel):
         else:
             token = replace(token, motions=(*before.motions, (motion, options.stop_early)))
         return replace(result, continuation=token)
-
-
-def same_parameters(one: ParameterOverrides | None, other: ParameterOverrides | None) -> bool:
-    """Whether both change the same masses and frictions to the same values."""
-    if one is None or other is None:
-        return one is other
-    return one.masses == other.masses and one.frictions == other.frictions

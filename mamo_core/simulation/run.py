@@ -52,9 +52,9 @@ class MotionRun:
         self._monitor = ConstraintMonitor(constraints)
         step, count = options.trace_step, len(scene.entities)
         self._recorder = TraceRecorder(step, count) if step is not None else None
-        self._stalled, self._stop = False, False
+        self._stalled = False
         self._time, self._steps, self._late = 0.0, 0, 0
-        self._touched = np.zeros((count, count), dtype=np.bool_)
+        self._touching: list[IntArray] = []
 
     def execute(self, motion: Motion, state: SceneState) -> RolloutResult:
         """Run to the end or to where the rollout stops; ``state`` is where the world stands."""
@@ -89,11 +89,11 @@ class MotionRun:
         before = np.vstack([trajectory.positions[:1], positions[:-1]])
         velocities = (positions - before) / self._step
         openings = np.linspace(self.opening, segment.opening, count + 1)[1:]
-        drives = [self._gripper.drive(opening) for opening in openings]
-        for k in range(count):
-            self._world.command(positions[k], velocities[k], drives[k])
-            self._advance(positions[k], openings[k])
-            if self._stop:
+        drives = self._gripper.drives(openings).tolist()
+        commands = zip(positions, velocities, drives, openings.tolist(), strict=True)
+        for position, velocity, drive, opening in commands:
+            self._world.command(position, velocity, drive)
+            if not self._advance(position, opening):
                 return False
         self.opening = segment.opening
         return self._arrive(trajectory.positions[-1]) and self._settle(segment)
@@ -104,8 +104,7 @@ class MotionRun:
         for _ in range(round(HOLD_SECONDS / self._step)):
             if largest_gap(self._world.joint_positions(), end) < ARRIVED:
                 break
-            self._advance(end, self.opening)
-            if self._stop:
+            if not self._advance(end, self.opening):
                 return False
         return True
 
@@ -117,25 +116,27 @@ class MotionRun:
             resting = resting + 1 if self._world.at_rest(REST_SPEED, REST_SPIN) else 0
             if resting >= enough:
                 break
-            self._advance(end, segment.opening)
-            if self._stop:
+            if not self._advance(end, segment.opening):
                 return False
         return True
 
-    def _advance(self, reference: Array, opening: float) -> None:
+    def _advance(self, reference: Array, opening: float) -> bool:
+        """Simulate one step; False if the rollout ends here."""
         self._world.step()
         self._steps += 1
         self._time += self._step
         seen = self._world.observe(self._time, self.held)
         if len(seen.contacts):
-            self._touched[seen.contacts[:, 0], seen.contacts[:, 1]] = True
-        if self._monitor.see(seen) and self._options.stop_early:
-            self._stop = True
-        behind = largest_gap(self._world.joint_positions(), reference) > LAG
-        self._late = self._late + 1 if behind else 0
-        if self._late * self._step >= LAG_SECONDS - 1e-9:
-            self._stalled = self._stop = True
-        self._record(opening, seen.contacts)
+            self._touching.append(seen.contacts)
+        broken = self._monitor.see(seen)
+        if largest_gap(self._world.joint_positions(), reference) > LAG:
+            self._late += 1
+            self._stalled = self._late * self._step >= LAG_SECONDS - 1e-9
+        else:
+            self._late = 0
+        if self._recorder is not None:
+            self._record(opening, seen.contacts)
+        return not (self._stalled or (broken and self._options.stop_early))
 
     def _record(self, opening: float, contacts: IntArray) -> None:
         if self._recorder is not None:
@@ -152,5 +153,9 @@ class MotionRun:
         return SceneState(self._world.joint_positions(), self._world.object_poses())
 
     def _contacts(self) -> frozenset[tuple[str, str]]:
+        """Names of the pairs that touched."""
         names: Any = self._scene.entities
-        return frozenset((names[a], names[b]) for a, b in np.argwhere(self._touched))
+        touched = np.zeros((len(names), len(names)), dtype=np.bool_)
+        pairs = np.concatenate([NO_CONTACTS, *self._touching])
+        touched[pairs[:, 0], pairs[:, 1]] = True
+        return frozenset((names[a], names[b]) for a, b in np.argwhere(touched))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,9 +15,8 @@ ROBOT = 0
 """Entity number of the robot; objects follow in scene order, then fixtures."""
 
 
-@dataclass(frozen=True, eq=False)
-class StepObservation:
-    """What every engine shows the constraints after every step.
+class StepObservation(NamedTuple):
+    """What every engine shows the constraints after every step: a tuple, as that is made quickly.
 
     ``positions`` (n, 3) m and ``z_axes`` (n, 3), world; ``velocities`` (n, 3) m/s of the centres;
     ``contacts`` (k, 2) entity numbers, each pair in ascending order; ``held``: place of the

@@ -9,11 +9,11 @@ import mujoco
 import numpy as np
 
 from mamo_core.interfaces.simulated_world import SimulatedWorld
-from mamo_core.types.geometry import Array, invert, matrix_from_pose, pose_from_matrix
+from mamo_core.types.geometry import Array, IntArray, invert, matrix_from_pose, pose_from_matrix
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import NO_CONTACTS, StepObservation
 from mamo_core.types.scene import SceneState
-from mamo_mujoco.kernels import at_rest, contact_pairs, observe
+from mamo_mujoco.kernels import at_rest, command, contact_pairs, observe
 from mamo_mujoco.world import WorldIndex
 
 
@@ -26,6 +26,11 @@ class MuJoCoWorld(SimulatedWorld):
         self._problem, self._model, self._index, self._lead = problem, model, index, lead
         self._data = mujoco.MjData(model)
         self.time_step = float(model.opt.timestep)
+        self._objects = np.stack([index.bodies, np.full_like(index.bodies, -1)], axis=1)
+        self._objects[index.free, 1] = index.free_qvel
+        self._seen = np.empty((3, len(index.bodies), 3))
+        self._rows = tuple(self._seen)
+        self._pose_qpos = index.free_qpos[:, None] + np.arange(7)
         # Views of the engine's memory, which never moves: asking for them costs more than a step.
         data = self._data
         self._qpos, self._qvel, self._ctrl = data.qpos, data.qvel, data.ctrl
@@ -36,40 +41,41 @@ class MuJoCoWorld(SimulatedWorld):
         mujoco.mj_resetData(self._model, data)
         self._qpos[index.arm_qpos] = state.joint_positions
         self._qpos[index.finger_qpos] = drive
-        for number, address in zip(index.free, index.free_qpos, strict=True):
-            self._qpos[address : address + 7] = state.object_poses[number]
+        self._qpos[self._pose_qpos] = state.object_poses[index.free]
         self.command(state.joint_positions, np.zeros_like(state.joint_positions), drive)
         mujoco.mj_forward(self._model, data)
 
     def command(self, positions: Array, velocities: Array, drive: float) -> None:
         """The servos see the position that is due a little later, so that they do not lag."""
-        self._ctrl[: positions.size] = positions + self._lead * velocities
-        self._ctrl[positions.size :] = drive
+        command(self._ctrl, positions, velocities, self._lead, drive)
 
     def step(self) -> None:
         mujoco.mj_step(self._model, self._data)
 
     def observe(self, time: float, held: int) -> StepObservation:
-        data, index = self._data, self._index
-        positions, axes, velocities = observe(
-            self._xpos, self._xmat, self._qvel, index.bodies, index.free, index.free_qvel
+        observe(self._xpos, self._xmat, self._qvel, self._objects, self._seen)
+        # Three small copies take less time than room for one that is large.
+        positions, axes, velocities = self._rows
+        contacts = self._contacts() if self._data.ncon else NO_CONTACTS
+        return StepObservation(
+            time, positions.copy(), axes.copy(), velocities.copy(), contacts, held
         )
-        contacts = NO_CONTACTS
-        if data.ncon:
-            contacts = contact_pairs(data.contact.geom, index.entity)
-        return StepObservation(time, positions, axes, velocities, contacts, held)
+
+    def _contacts(self) -> IntArray:
+        geoms = self._data.contact.geom
+        pairs = np.empty(geoms.shape, dtype=np.int64)
+        contact_pairs(geoms, self._index.entity, pairs)
+        return pairs
 
     def joint_positions(self) -> Array:
-        return self._qpos[self._index.arm_qpos]
+        return self._qpos.take(self._index.arm_qpos)
 
     def tool_pose(self) -> Array:
         return pose_from_matrix(_body_matrix(self._data, self._index.tool_body))
 
     def object_poses(self) -> Array:
         poses = np.array(self._problem.initial.object_poses)
-        index = self._index
-        for number, address in zip(index.free, index.free_qpos, strict=True):
-            poses[number] = self._qpos[address : address + 7]
+        poses[self._index.free] = self._qpos[self._pose_qpos]
         return poses
 
     def at_rest(self, speed: float, spin: float) -> bool:

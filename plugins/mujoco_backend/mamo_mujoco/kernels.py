@@ -9,30 +9,35 @@ from mamo_core.types.geometry import Array, IntArray
 
 
 @njit(cache=True)
-def observe(
-    xpos: Array, xmat: Array, qvel: Array, bodies: IntArray, free: IntArray, free_qvel: IntArray
-) -> tuple[Array, Array, Array]:
-    """Positions (n, 3), z axes (n, 3) and velocities (n, 3) of the objects."""
-    count = bodies.shape[0]
-    positions, axes, velocities = np.empty((count, 3)), np.empty((count, 3)), np.zeros((count, 3))
-    for i in range(count):
-        for k in range(3):
-            positions[i, k] = xpos[bodies[i], k]
-            axes[i, k] = xmat[bodies[i], 3 * k + 2]
-    for m in range(free.shape[0]):
-        for k in range(3):
-            velocities[free[m], k] = qvel[free_qvel[m] + k]
-    return positions, axes, velocities
+def command(ctrl: Array, positions: Array, velocities: Array, lead: float, drive: float) -> None:
+    """Servos of the arm get where it should be ``lead`` seconds later, all others ``drive``."""
+    dof = positions.shape[0]
+    for i in range(dof):
+        ctrl[i] = positions[i] + lead * velocities[i]
+    for i in range(dof, ctrl.shape[0]):
+        ctrl[i] = drive
 
 
 @njit(cache=True)
-def contact_pairs(geoms: IntArray, entity: IntArray) -> IntArray:
-    """Entity pairs (k, 2), ascending, of contacts given as geom pairs."""
-    pairs = np.empty((geoms.shape[0], 2), dtype=np.int64)
+def observe(xpos: Array, xmat: Array, qvel: Array, objects: IntArray, seen: Array) -> None:
+    """Positions, z axes and velocities of the objects into ``seen`` (3, n, 3).
+
+    ``objects`` (n, 2): of each its body, and its first velocity or -1 if it is fixed.
+    """
+    for i in range(objects.shape[0]):
+        body, first = objects[i, 0], objects[i, 1]
+        for k in range(3):
+            seen[0, i, k] = xpos[body, k]
+            seen[1, i, k] = xmat[body, 3 * k + 2]
+            seen[2, i, k] = qvel[first + k] if first >= 0 else 0.0
+
+
+@njit(cache=True)
+def contact_pairs(geoms: IntArray, entity: IntArray, pairs: IntArray) -> None:
+    """Entity pairs, ascending, of contacts given as geom pairs (k, 2), into ``pairs`` (k, 2)."""
     for n in range(geoms.shape[0]):
         a, b = entity[geoms[n, 0]], entity[geoms[n, 1]]
         pairs[n, 0], pairs[n, 1] = min(a, b), max(a, b)
-    return pairs
 
 
 @njit(cache=True)
@@ -49,6 +54,13 @@ def warm_up() -> None:
     """Compile the kernels (or read them from numba's cache)."""
     one = np.zeros(1, dtype=np.int64)
     rows, matrix, flat = np.zeros((1, 3)), np.zeros((1, 9)), np.zeros(6)
-    observe(rows, matrix, flat, one, one, one)
-    contact_pairs(np.zeros((1, 2), dtype=np.int32), one)
+    frozen = np.zeros(1)
+    frozen.flags.writeable = False
+    for positions in (np.zeros(1), frozen):
+        command(flat, positions, np.zeros(1), 0.0, 0.0)
+    observe(rows, matrix, flat, np.zeros((1, 2), dtype=np.int64), np.zeros((3, 1, 3)))
+    # Geoms are a part of the engine's records: they are contiguous only if there is just one.
+    for count in (1, 2):
+        geoms = np.zeros((count, 4), dtype=np.int32)[:, :2]
+        contact_pairs(geoms, one, np.zeros((count, 2), dtype=np.int64))
     at_rest(flat, one, 1.0, 1.0)

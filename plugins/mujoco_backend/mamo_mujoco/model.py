@@ -23,7 +23,7 @@ from mamo_mujoco.world import build_model, index_of
 
 
 class MuJoCoModel(SimulatedModel):
-    """MuJoCo in this process; batches run in threads."""
+    """MuJoCo in this process; batches run in threads if the options give more than one."""
 
     def __init__(
         self,
@@ -51,13 +51,13 @@ class MuJoCoModel(SimulatedModel):
 
         def one(job: tuple[SceneState, Motion, ParameterOverrides | None, Any]) -> RolloutResult:
             state, motion, override, token = job
-            world = self._worlds(override)
-            model = SimulatedModel(self._problem, self._arm, self._constraints, lambda _: world)
-            return model.rollout(
+            return self.rollout(
                 state, motion, parameters=override, options=options, continue_from=token
             )
 
         jobs = list(zip(states, motions, overrides, tokens, strict=True))
+        if self._threads == 1:
+            return [one(job) for job in jobs]
         with ThreadPoolExecutor(self._threads) as pool:
             return list(pool.map(one, jobs))
 

@@ -20,4 +20,9 @@ class MuJoCoOptions(Options):
         "and an arm that cannot follow is reported as stalled",
     )
     sleep: bool = Field(True, description="let resting objects sleep: faster")
-    batch_threads: int = Field(2, ge=1, description="threads of rollout_batch")
+    batch_threads: int = Field(
+        1,
+        ge=1,
+        description="threads of rollout_batch; two take less time and a third more CPU, which is "
+        "what budgets count",
+    )

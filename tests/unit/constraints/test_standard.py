@@ -13,6 +13,7 @@ from mamo_core.constraints.standard import (
     SpeedConstraint,
     TiltConstraint,
 )
+from mamo_core.interfaces.constraint import InteractionConstraint
 from mamo_core.types.geometry import Box, Cylinder, make_pose
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import NO_CONTACTS, StepObservation, Violation
@@ -280,3 +281,65 @@ def test_violations_come_in_order_and_start_something(steps):
     for k, fresh in enumerate(expected):
         found = {(v.constraint, v.subject, v.other) for v in monitor.violations if v.time == k}
         assert found == fresh
+
+
+class Unlimited(InteractionConstraint):
+    """One of somebody else, who knows nothing of limits: it is asked about every step."""
+
+    def __init__(self, constraint):
+        self.constraint, self.times = constraint, []
+
+    def violations(self, step):
+        self.times.append(step.time)
+        return self.constraint.violations(step)
+
+
+def any_step(time, rng):
+    """All may be beyond their limits, some just so, and anything may be in hand."""
+    start = PROBLEM.initial.object_poses[:, :3]
+    touching = [(ALLOWED + FORBIDDEN)[i] for i in rng.integers(len(ALLOWED + FORBIDDEN), size=2)]
+    return observe(
+        time,
+        contacts=touching[: rng.integers(3)],
+        held=int(rng.integers(-1, 4)),
+        positions=start - [0.0, 0.0, 1.0] * rng.choice([0.0, 0.049, 0.051, 0.3], size=(4, 1)),
+        axes=tilted(int(rng.integers(4)), rng.choice([0.0, 0.436, 0.437])),
+        velocities=rng.choice([0.0, 0.57, 0.58], size=(4, 3)),
+    )
+
+
+@settings(max_examples=60)
+@given(st.integers(0, 10**6))
+def test_what_is_within_the_limits_breaks_nothing(seed):
+    """Asked only beyond the limits, or about every step, constraints say the same."""
+    rng = np.random.default_rng(seed)
+    steps = [any_step(float(k), rng) for k in range(8)]
+    for some in (all_four(), all_four()[1:2], all_four()[::-1]):
+        quick = ConstraintMonitor(some)
+        thorough = ConstraintMonitor([Unlimited(c) for c in some])
+        mixed = ConstraintMonitor([some[0], *(Unlimited(c) for c in some[1:])])
+        for step in steps:
+            assert quick.see(step) == thorough.see(step) == mixed.see(step)
+        assert quick.violations == thorough.violations == mixed.violations
+
+
+def test_constraints_without_limits_see_every_step():
+    watcher = Unlimited(SpeedConstraint(PROBLEM, SpeedOptions()))
+    for constraints in ([watcher], [*all_four(), watcher]):
+        watcher.times.clear()
+        monitor = ConstraintMonitor(constraints)
+        for k in range(4):
+            monitor.see(observe(float(k), contacts=[(A, WALL)] if k == 2 else ()))
+        assert watcher.times == [0.0, 1.0, 2.0, 3.0]
+
+
+def test_the_tightest_of_two_limits_counts():
+    constraints = [SpeedConstraint(PROBLEM, SpeedOptions(limit=limit)) for limit in (0.8, 0.3)]
+    monitor = ConstraintMonitor(constraints)
+    assert monitor.see(moving(MOVABLE_A, [0.5, 0, 0]))
+    assert [v.limit for v in monitor.violations] == [0.3]
+    assert not ConstraintMonitor(constraints).see(moving(MOVABLE_A, [0.2, 0, 0]))
+
+
+def test_without_constraints_nothing_is_broken():
+    assert not ConstraintMonitor([]).see(observe(contacts=[(A, WALL)]))

@@ -125,6 +125,82 @@ def test_going_on_is_the_same_as_not_stopping(cases, model):
     assert same(second, again)
 
 
+def varied(number):
+    """Some masses and frictions, as a robust search draws them."""
+    return ParameterOverrides({"can": 0.2 + 0.1 * number}, {"can": 0.3 + 0.04 * number})
+
+
+def test_kept_worlds_change_nothing(cases, model_of):
+    """Each set in turn, several times over, more sets than are kept."""
+    start = cases.problem.initial
+    sets = [None, *(varied(number) for number in range(18))]
+    kept = model_of(cases.problem)
+    fresh = [model_of(cases.problem).rollout(start, cases.push, parameters=p) for p in sets[:4]]
+    for _ in range(2):
+        kept.rollout(start, cases.crash, parameters=sets[1], options=ALL)
+        again = [kept.rollout(start, cases.push, parameters=p) for p in sets]
+        assert all(same(a, b) for a, b in zip(fresh, again[:4], strict=True))
+
+
+def test_going_on_in_a_kept_world(cases, model_of):
+    """With the same masses and frictions, after others and in another world than before."""
+    start, keep = cases.problem.initial, RolloutOptions(keep=True)
+    sets = [None, varied(0), varied(1)]
+    model = model_of(cases.problem)
+    firsts = [model.rollout(start, cases.push, parameters=p, options=keep) for p in sets]
+    for parameters, first in zip(sets, firsts, strict=True):
+        back = waiting(cases.push.end, 0.3, cases.push.segments[-1].opening)
+        whole = model_of(cases.problem).rollout(
+            start, merged(cases.push, back), parameters=parameters
+        )
+        for _ in range(2):
+            model.rollout(start, cases.crash, parameters=parameters, options=ALL)
+            rest = model.rollout_batch(
+                [first.final_state] * 2,
+                [back] * 2,
+                parameters=[parameters] * 2,
+                continue_from=[first.continuation] * 2,
+            )
+            for result in rest:
+                expected, found = whole.final_state, result.final_state
+                assert np.array_equal(expected.object_poses, found.object_poses)
+                assert np.array_equal(expected.joint_positions, found.joint_positions)
+                assert whole.steps == first.steps + result.steps
+
+
+KERNELS = """
+from mamo_core.constraints import kernels as ours
+from mamo_core.robots import load_arm
+from mamo_core.testing.transition_cases import pr2_cases, standard_constraints
+from mamo_mujoco import kernels as theirs
+from mamo_mujoco.model import MuJoCoModel
+from mamo_mujoco.options import MuJoCoOptions
+
+def compiled():
+    found = [*vars(ours).values(), *vars(theirs).values()]
+    return {k.__name__: list(k.signatures) for k in found if hasattr(k, "signatures")}
+
+ours.warm_up()
+theirs.warm_up()
+before = compiled()
+assert len(before) == 6 and all(before.values()), before
+cases = pr2_cases()
+problem = cases.problem
+arm = load_arm(problem.scene.robot)
+model = MuJoCoModel(problem, arm, standard_constraints(problem), MuJoCoOptions())
+for motion in (cases.push, cases.crash, cases.still):
+    model.rollout(problem.initial, motion)
+assert compiled() == before, (before, compiled())
+"""
+
+
+def test_no_rollout_waits_for_a_compiler():
+    done = subprocess.run(
+        [sys.executable, "-c", KERNELS], capture_output=True, text=True, env=os.environ, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
 def test_foreign_continuations_are_refused(cases, model):
     with pytest.raises(ValueError, match="continue_from: object, expected"):
         model.rollout(cases.problem.initial, cases.still, continue_from=object())
