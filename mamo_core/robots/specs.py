@@ -79,10 +79,10 @@ PR2_RIGHT_ARM = ArmSpec(
         "r_upper_arm_roll_joint": 0.035,
         "r_elbow_flex_joint": 0.03,
         "r_forearm_roll_joint": 0.02,
-        "r_wrist_flex_joint": 0.018,
-        "r_wrist_roll_joint": 0.014,
+        "r_wrist_flex_joint": 0.012,
+        "r_wrist_roll_joint": 0.007,
     },
-    finger_slack=0.01,
+    finger_slack=0.005,
     locked={"torso_lift_joint": 0.1},
     body_links=("base_link", "torso_lift_link"),
 )

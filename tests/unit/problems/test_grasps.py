@@ -5,7 +5,7 @@ import pytest
 
 from mamo_core.errors import InputError
 from mamo_core.problems.grasps import default_grasps
-from mamo_core.robots.grasps import HANDS, HEIGHTS, Hand, hand_of
+from mamo_core.robots.grasps import HANDS, HEIGHTS, LEAST_COVERED, Hand, hand_of
 from mamo_core.robots.library import load_arm
 from mamo_core.types.geometry import Box, Cylinder, Shape, matrix_from_pose, yaw_of
 from mamo_core.types.scene import Mobility, SceneObject
@@ -72,11 +72,20 @@ def test_heights_stay_below_the_top() -> None:
         assert max(heights(height)) <= height - 0.02 + 1e-9
 
 
-def test_the_hand_is_level_first_and_dipped_last() -> None:
+def test_the_hand_is_level_first_then_dipped_and_takes_hold_by_the_fingertips_last() -> None:
     grasps = default_grasps(target(Cylinder(0.03, 0.2)), HAND)
-    dips = [-np.arcsin(matrix_from_pose(g.T_object_tool)[2, 0]) for g in grasps]
-    level = [dip == pytest.approx(0.0) for dip in dips]
-    assert level == sorted(level, reverse=True)
+    dips = np.array([-np.arcsin(matrix_from_pose(g.T_object_tool)[2, 0]) for g in grasps])
+    # From the near side of the object to the tool, along the approach.
+    past = np.array(
+        [
+            0.03 + float(np.linalg.norm(np.asarray(g.T_object_tool)[:2])) if dip < 1e-9 else np.nan
+            for g, dip in zip(grasps, dips, strict=True)
+        ]
+    )
+    order = np.where(dips > 1e-9, 1, np.where(past > LEAST_COVERED + 1e-9, 0, 2))
+    assert order.tolist() == sorted(order.tolist())
+    assert set(order.tolist()) == {0, 1, 2}
+    assert (order == 0).sum() == (order == 2).sum()
     assert {round(float(dip), 3) for dip in dips} == {0.0, 0.15, 0.25, 0.35, 0.5}
     assert all(matrix_from_pose(g.T_object_tool)[2, 2] > 0.8 for g in grasps)
 
