@@ -134,7 +134,14 @@ class Search:
                 Engine(f"sample_{n}", self.model, values, n == 0) for n, values in enumerate(drawn)
             ]
             tolerated = len(engines) - needed(self.uncertainty)
-        parts = (arm, engines, NoCollisions(), StraightArm(), lambda motion, states: True)
+        parts = (
+            arm,
+            engines,
+            NoCollisions(),
+            StraightArm(),
+            lambda motion, states: True,
+            lambda motion, state: False,
+        )
         return Execution(self.problem, *parts, statistics, budget, tolerated)
 
     def replay(self, plan):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mamo_core.hookspecs import Component, NoOptions, hookimpl
@@ -59,11 +60,14 @@ def _pick_place(context: BuildContext, options: PickPlaceOptions) -> Any:
 
 def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None) -> SearchParts:
     from mamo_core.robots.contact_free import check_meshes
+    from mamo_planners.search.clearance import keeps_clear
     from mamo_planners.search.execution import Engine, Execution
     from mamo_planners.search.run import SearchParts
     from mamo_planners.search.uncertainty import needed, sampled
 
-    scene, robot = context.problem.scene, context.robot
+    problem, robot = context.problem, context.robot
+    scene, collision = problem.scene, context.part("collision")
+    clear = partial(keeps_clear, problem, context.part("kinematics"), collision)
 
     def contact_free(motion: Motion, states: Sequence[SceneState]) -> bool:
         return not check_meshes(scene, motion.segments, states, robot, motion.opening)
@@ -81,12 +85,13 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
     def execution(statistics: Statistics, budget: Budget, rng: np.random.Generator) -> Execution:
         used, tolerated = engines(rng)
         return Execution(
-            context.problem,
+            problem,
             robot,
             used,
-            context.part("collision"),
+            collision,
             context.part("arm_planner"),
             contact_free,
+            clear,
             statistics,
             budget,
             tolerated,

@@ -89,6 +89,8 @@ class Stand:
 Accept = Callable[[SceneState], bool]
 ContactFree = Callable[[Motion, Sequence[SceneState]], bool]
 """Whether a motion's contact-free segments touch nothing, given the state each starts from."""
+Clear = Callable[[Motion, SceneState], bool]
+"""Whether a retrieval surely touches nothing but the target, from a state at rest."""
 ExecutionFactory = Callable[[Statistics, Budget, np.random.Generator], "Execution"]
 
 
@@ -110,12 +112,13 @@ class Execution:
         collision: CollisionChecker,
         arm_planner: ArmPlanner,
         contact_free: ContactFree,
+        clear: Clear,
         statistics: Statistics,
         budget: Budget,
         tolerated: int = 0,
     ) -> None:
         """``engines``: the first one's state is what the search plans from."""
-        self._contact_free = contact_free
+        self._contact_free, self._clear = contact_free, clear
         self._problem, self._arm = problem, arm
         self._collision, self._arm_planner = collision, arm_planner
         self._stats, self._budget = statistics, budget
@@ -150,6 +153,7 @@ class Execution:
         others = self._elsewhere(stand, action, accept)
         if others is None:
             return None
+        self._stats.counts["accepted"] += 1
         return Stand(stand.leading.after(whole, action.motion), others)
 
     def _elsewhere(
@@ -266,9 +270,18 @@ class Execution:
         return (*stand.leading.executed, result)
 
     def _holds_elsewhere(self, stand: Stand, motion: Motion) -> bool:
-        """Whether the retrieval is valid in enough of the other engines."""
-        holding, left = 0, len(stand.others)
-        for line, result in self._in_turn(stand.others, motion, None):
+        """Whether the retrieval is valid in enough of the other engines.
+
+        Where nothing is near its way it need not be executed: from rest, masses and frictions only
+        matter to what is touched.
+        """
+        doubtful = [
+            line
+            for line in stand.others
+            if line.engine.continuous or not self._clear(motion, line.state)
+        ]
+        holding, left = len(stand.others) - len(doubtful), len(doubtful)
+        for line, result in self._in_turn(doubtful, motion, None):
             left -= 1
             self._count_failures(result, "arm", "retrieval")
             if result.valid and self._free(line, result, motion):
