@@ -246,6 +246,37 @@ def test_actions_are_limited(search_of):
     assert solution.plan is None
 
 
+class ShortAtFirst(StraightPush):
+    """Its first push goes only a part of the way."""
+
+    def __init__(self, problem):
+        super().__init__(problem)
+        self.calls = 0
+
+    def propose(self, state, request, rng, statistics):
+        self.calls += 1
+        if self.calls == 1:
+            start, end = request.path[0], request.path[-1]
+            request = replace(request, path=np.array([start, start + 0.3 * (end - start)]))
+        return super().propose(state, request, rng, statistics)
+
+
+@pytest.mark.parametrize(("improve", "actions", "regions"), [(0, 2, 1), (1, 1, 2), (5, 1, 2)])
+def test_better_plans_are_looked_for_on_request(search_of, improve, actions, regions):
+    problem = one_blocker().problem
+    options = {"kind": "depth_first", "regions": 9, "improve": improve}
+    solution = search_of(problem, actions=[ShortAtFirst(problem)], **options).solve()
+    assert len(solution.plan.actions) == actions
+    assert solution.statistics.counts["regions"] == regions
+
+
+def test_the_best_plan_stays_if_none_is_better(search_of, in_words):
+    options = {"kind": "depth_first", "regions": 9, "improve": 2, "visits": 4, "expansions": 2}
+    solution = search_of(two_blockers().problem, **options).solve()
+    assert in_words(solution) == [A, B]
+    assert solution.statistics.counts["regions"] == 3
+
+
 def test_no_budget(search_of):
     solution = search_of(two_blockers().problem, kind="depth_first").solve(seconds=0.0)
     assert solution.status is SolutionStatus.BUDGET_EXHAUSTED

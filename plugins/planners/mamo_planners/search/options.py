@@ -83,6 +83,12 @@ class GraphOptions(Options):
     regions: int = Field(
         1000, ge=1, description="NGRs searched one after the other (the thesis: 1; 7.1.1)"
     )
+    improve: int = Field(
+        0,
+        ge=0,
+        description="NGRs searched for a plan with fewer actions after each that was found; "
+        "the best one is returned at the latest when the budget ends",
+    )
     hopeless_regions: int = Field(
         25, ge=1, description="NGRs without any retrieval, movables ignored, before giving up"
     )

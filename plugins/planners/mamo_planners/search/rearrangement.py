@@ -37,33 +37,39 @@ class RearrangementSearch(SearchStrategy):
     ) -> Solution:
         run = self._run(budget, rng, progress)
         start = run.execution.start
-        plan = run.retrieve(start, (), None)
+        best = run.retrieve(start, (), None)
         failures: list[Failure] = []
-        hopeless = 0
+        hopeless = since_best = 0
         for number in range(self._options.regions):
-            if plan is not None or budget.exhausted:
+            if budget.exhausted or self._good_enough(best, since_best):
                 break
             region = run.region(self._options.draws if number == 0 else 1)
             if region is None:
-                hopeless += 1
-                if hopeless >= self._options.hopeless_regions:
+                hopeless, since_best = hopeless + 1, since_best + 1
+                if best is None and hopeless >= self._options.hopeless_regions:
                     return run.no_retrieval()
                 continue
             run.statistics.counts["regions"] += 1
             order = self._make_order(self._parts.problem, region)
-            database = self._database(run)
-            rules = self._rules(number)
+            rules, database = self._rules(number, best), self._database(run)
             graph = RearrangementGraph(run, region, order, rules, database, failures)
             plan = graph.search(start)
             watch(region, graph.vertices)
-            plan = plan or self._grasped_anew(run)
-        if plan is None:
+            if plan is None and best is None:
+                # Grasps are drawn: what failed at the start may work the next time.
+                plan = run.retrieve(start, (), None)
+            since_best = 0 if plan is not None else since_best + 1
+            best = plan or best
+        if best is None:
             return run.no_plan()
-        return Solution(SolutionStatus.SOLVED, plan, run.statistics)
+        return Solution(SolutionStatus.SOLVED, best, run.statistics)
 
-    def _grasped_anew(self, run: SearchRun) -> Plan | None:
-        """Grasps are drawn: what failed at the start may work the next time."""
-        return run.retrieve(run.execution.start, (), None)
+    def _good_enough(self, best: Plan | None, since_best: int) -> bool:
+        """Whether to stop, so many NGRs after the best plan was found.
+
+        Nothing is better than one action: without any the target could not be taken out.
+        """
+        return best is not None and (len(best.actions) <= 1 or since_best >= self._options.improve)
 
     def _run(
         self, budget: Budget, rng: np.random.Generator, progress: ProgressCallback
@@ -84,9 +90,13 @@ class RearrangementSearch(SearchStrategy):
             return None
         return PushDatabase(self._parts.problem, run.execution.keeps_clear)
 
-    def _rules(self, number: int) -> GraphRules:
-        """Later graphs may become larger, so that no graph is left for good."""
+    def _rules(self, number: int, best: Plan | None) -> GraphRules:
+        """Later graphs may become larger, so that no graph is left for good.
+
+        Only plans with fewer actions than the best one are looked for.
+        """
         options = self._options
+        most = options.max_actions if best is None else len(best.actions) - 1
         weight = options.penalty if options.negative_database else 0.0
         return GraphRules(
             lazy=options.lazy,
@@ -96,5 +106,5 @@ class RearrangementSearch(SearchStrategy):
             agnostic=options.agnostic,
             expansions=options.expansions,
             visits=options.visits * (1 + number),
-            max_actions=options.max_actions,
+            max_actions=most,
         )
