@@ -42,3 +42,7 @@ class RetrievalPlanner(ABC):
     @abstractmethod
     def swept_region(self, state: SceneState, motion: Motion) -> SweptRegion:
         """The space that ``motion`` sweeps with the arm and the held target (the NGR)."""
+
+    def thorough(self) -> RetrievalPlanner:
+        """A planner that looks at more grasps and arm configurations, at a price; or itself."""
+        return self

@@ -12,6 +12,7 @@ from mamo_core.interfaces.arm_planner import ArmPlanner
 from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld, HeldObject
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.interfaces.retrieval import Retrieval, RetrievalPlanner
+from mamo_core.robots.exact_collision import ExactChecker
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.timing import interpolated, time_path
 from mamo_core.types.geometry import Array, Box, invert, matrices_from_poses, matrix_from_pose
@@ -65,10 +66,16 @@ class GraspAndExtract(RetrievalPlanner):
         self._T_world_target = matrix_from_pose(problem.initial.object_poses[scene.target_index])
         self._root, self._length = _outstretched(problem, arm)
         self._static_causes: Counter[str] = Counter()
+        self._close = collision
+        """Checks the way in to the target."""
         # Tight places leave few arm configurations: look harder before saying there are none.
         self._candidates = self._find_candidates(options.branches) or self._find_candidates(
             _THOROUGH * options.branches
         )
+        if not self._candidates:
+            # The covers leave no way; the meshes, which have the last word anyhow, may leave one.
+            self._close = ExactChecker(scene, arm)
+            self._candidates = self._find_candidates(_THOROUGH * options.branches)
 
     def plan(
         self,
@@ -108,6 +115,20 @@ class GraspAndExtract(RetrievalPlanner):
             raise ValueError("swept_region: the motion has no segments")
         return region
 
+    def thorough(self) -> RetrievalPlanner:
+        options = self._options
+        if options.grasps >= len(self._problem.grasps):
+            return self
+        more = {"grasps": len(self._problem.grasps), "branches": 2 * options.branches}
+        return GraspAndExtract(
+            self._problem,
+            self._arm,
+            self._kinematics,
+            self._collision,
+            self._arm_planner,
+            options.model_copy(update=more),
+        )
+
     def _held_of(self, motion: Motion) -> HeldObject:
         """The target in the tool, from where the tool is when it is attached."""
         first = next(s for s in motion.segments if s.held is not None)
@@ -121,13 +142,10 @@ class GraspAndExtract(RetrievalPlanner):
         for start in range(0, len(self._problem.grasps), _AT_ONCE):
             numbers = range(start, min(start + _AT_ONCE, len(self._problem.grasps)))
             for opening, some in self._by_opening(numbers).items():
-                world = self._collision.world(
-                    self._problem.initial.object_poses,
-                    opening=opening,
-                    ignore=[self._target.name, *self._movables],
-                )
+                poses, ignored = self._problem.initial.object_poses, self._movables
+                world, close = self._worlds(poses, opening, ignored)
                 for number, T_grasp in self._screened(some, world):
-                    found += self._candidates_of(number, T_grasp, world, branches, rng)
+                    found += self._candidates_of(number, T_grasp, world, close, branches, rng)
             if len({candidate.number for candidate in found}) >= self._options.grasps:
                 break
         return found
@@ -137,6 +155,7 @@ class GraspAndExtract(RetrievalPlanner):
         number: int,
         T_grasp: Array,
         world: CollisionWorld,
+        close: CollisionWorld,
         branches: int,
         rng: np.random.Generator,
     ) -> list[_Candidate]:
@@ -145,9 +164,9 @@ class GraspAndExtract(RetrievalPlanner):
         if not len(solutions):
             self._static_causes["grasp_no_ik"] += 1
             return []
-        free = world.free(solutions)
+        free = close.free(solutions)
         self._static_causes["grasp_in_collision"] += int((~free).sum())
-        ways = [(q, self._back_path(q, number, world)) for q in solutions[free]]
+        ways = [(q, self._back_path(q, number, world, close)) for q in solutions[free]]
         open_ways = [(q, back) for q, back in ways if back is not None]
         self._static_causes["reach_blocked"] += len(ways) - len(open_ways)
         if not open_ways:
@@ -166,6 +185,16 @@ class GraspAndExtract(RetrievalPlanner):
         ]
         self._static_causes["lift_blocked"] += len(lifted) - len(found)
         return found
+
+    def _worlds(
+        self, object_poses: Array, opening: float, ignored: list[str]
+    ) -> tuple[CollisionWorld, CollisionWorld]:
+        """What the arm must not meet on its way, and on the last straight piece to the target."""
+        ignored = [self._target.name, *ignored]
+        world = self._collision.world(object_poses, opening=opening, ignore=ignored)
+        if self._close is self._collision:
+            return world, world
+        return world, self._close.world(object_poses, opening=opening, ignore=ignored)
 
     def _carried(self, number: int, held: HeldObject) -> CollisionWorld:
         """Fixtures and immovables around the arm that holds the target."""
@@ -204,14 +233,18 @@ class GraspAndExtract(RetrievalPlanner):
         T = invert(T_world_tool) @ self._T_world_target
         return HeldObject(self._target.name, self._target.shape, T, up=T[:3, 2])
 
-    def _back_path(self, q: Array, number: int, world: CollisionWorld) -> Array | None:
+    def _back_path(
+        self, q: Array, number: int, world: CollisionWorld, close: CollisionWorld
+    ) -> Array | None:
         """Straight back from the grasp, by less where the full approach does not fit."""
         T, approach = self._kinematics.forward(q), self._problem.grasps[number].approach
         for share in _APPROACH_SHARES:
             T_back = T.copy()
             T_back[:3, 3] -= share * approach * T[:3, 0]
             line = self._kinematics.follow_line(q, T_back, step=_REACH_STEP)
-            if line.fraction == 1.0 and world.free(line.path).all():
+            if line.fraction < 1.0 or not world.free(line.path[-1:])[0]:
+                continue
+            if close.free(line.path).all():
                 return line.path
         return None
 
@@ -232,15 +265,17 @@ class GraspAndExtract(RetrievalPlanner):
     def _unblocked(self, state: SceneState, candidates: list[_Candidate]) -> list[_Candidate]:
         """Candidates whose reach and lifted pose are free among the objects of ``state``."""
         openings = np.array([candidate.grasp.opening for candidate in candidates])
-        clear = np.zeros(len(candidates), dtype=np.bool_)
+        clear = np.ones(len(candidates), dtype=np.bool_)
         for opening in set(openings.tolist()):
             same = np.flatnonzero(openings == opening)
-            world = self._collision.world(
-                state.object_poses, opening=opening, ignore=[self._target.name]
-            )
-            ways = [np.vstack([candidates[k].reach, candidates[k].lift[-1:]]) for k in same]
-            starts = np.cumsum([0, *(len(way) for way in ways[:-1])])
-            clear[same] = np.logical_and.reduceat(world.free(np.concatenate(ways)), starts)
+            world, close = self._worlds(state.object_poses, opening, [])
+            for one, ways in (
+                (world, [np.stack([candidates[k].reach[0], candidates[k].lift[-1]]) for k in same]),
+                (close, [candidates[k].reach for k in same]),
+            ):
+                starts = np.cumsum([0, *(len(way) for way in ways[:-1])])
+                free = np.logical_and.reduceat(one.free(np.concatenate(ways)), starts)
+                clear[same] &= free
         return [candidates[k] for k in np.flatnonzero(clear)]
 
     def _try(

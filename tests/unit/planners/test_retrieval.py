@@ -1,6 +1,7 @@
 """Retrievals: by which grasp, how, and if not, why not."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -233,3 +234,71 @@ def test_a_tall_target_is_lifted_less(shelf_with, parts_of):
         top = problem.scene.workspace.floor + 0.27 + rise
         assert top <= ceiling - 0.015 + 1e-3
         assert rise > 0.0
+
+
+class Squeamish:
+    """Refuses whatever has the tool in a narrow band before the target, as coarse covers might."""
+
+    BAND = (0.69, 0.712)
+
+    def __init__(self, parts):
+        self._parts = parts
+
+    def world(self, *arguments, **options):
+        world = self._parts.collision.world(*arguments, **options)
+        refusing = SimpleNamespace(hands_free=world.hands_free)
+        refusing.free = lambda rows: world.free(rows) & ~self.in_band(np.atleast_2d(rows))
+        return refusing
+
+    def in_band(self, rows):
+        places = [self._parts.kinematics.forward(q)[0, 3] for q in rows]
+        return np.array([self.BAND[0] < x < self.BAND[1] for x in places])
+
+
+def test_the_meshes_decide_where_covers_leave_no_way_in(problem, parts, cleared):
+    changed = SimpleNamespace(**{**vars(parts), "collision": Squeamish(parts)})
+    straight_ahead = replace(problem, grasps=problem.grasps[:1])
+    retrieval = retrieval_of(straight_ahead, changed)
+    assert retrieval._candidates
+    for candidate in retrieval._candidates:
+        assert changed.collision.in_band(candidate.reach).any()
+        ends = np.array([candidate.reach[0], candidate.reach[-1], candidate.lift[-1]])
+        assert not changed.collision.in_band(ends).any()
+    assert retrieval._unblocked(cleared, retrieval._candidates)
+    assert not retrieval._unblocked(problem.initial, retrieval._candidates)
+
+
+def test_a_thorough_planner_looks_at_all_grasps(problem, parts, retrieval):
+    few = retrieval_of(problem, parts, grasps=2)
+    thorough = few.thorough()
+    assert {c.number for c in few._candidates} < {c.number for c in thorough._candidates}
+    assert len({c.number for c in thorough._candidates}) > RetrievalOptions().grasps
+    assert thorough.thorough() is thorough
+
+
+def test_the_hand_is_slow_where_the_target_nearly_fills_it(shelf_with, parts_of):
+    def reach(radius):
+        target = (Cylinder(radius, 0.16), Mobility.TARGET, (0.7, -0.5))
+        blocker = (Cylinder(0.03, 0.2), Mobility.MOVABLE, (0.9, -0.5))
+        problem = shelf_with({"target": target, "blocker": blocker})
+        found = retrieval_of(problem, parts_of(problem)).plan(
+            problem.initial, np.random.default_rng(0)
+        )
+        trajectory = found.motion.segments[2].trajectory
+        tools = tool_places(parts_of(problem), trajectory.positions, np.eye(4))
+        return np.linalg.norm(np.diff(tools, axis=0), axis=1) / np.diff(trajectory.times)
+
+    assert reach(0.03).max() == pytest.approx(0.25, rel=0.05)
+    assert reach(0.0445).max() < 0.1
+
+
+def test_the_target_is_carried_no_faster_than_allowed(problem, parts, found):
+    carry = found.motion.segments[4].trajectory
+    T = in_the_hand(problem, parts, found.motion)
+    places = tool_places(parts, carry.positions, T)
+    speeds = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(carry.times)
+    assert speeds.max() <= 0.6 * 1.03
+
+
+def tool_places(parts, rows, T_tool_point):
+    return np.array([(parts.kinematics.forward(q) @ T_tool_point)[:3, 3] for q in rows])

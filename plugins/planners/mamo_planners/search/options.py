@@ -96,6 +96,9 @@ class GraphOptions(Options):
         4, ge=1, description="retrievals drawn for the first NGR, the emptiest one is taken; then 1"
     )
     expansions: int = Field(4, ge=1, description="MAPF calls at one rearrangement")
+    thorough_after: int = Field(
+        1, ge=0, description="NGRs searched before retrieval looks at all grasps of the problem"
+    )
     visits: int = Field(
         15, ge=1, description="expansions under the first NGR; n times as many under the n-th"
     )

@@ -43,6 +43,8 @@ class RearrangementSearch(SearchStrategy):
         for number in range(self._options.regions):
             if budget.exhausted or self._good_enough(best, since_best):
                 break
+            if number == self._options.thorough_after:
+                run.look_harder()
             region = run.region(self._options.draws if number == 0 else 1)
             if region is None:
                 hopeless, since_best = hopeless + 1, since_best + 1

@@ -73,9 +73,15 @@ class SearchRun:
     ) -> None:
         self.parts, self.budget, self.rng, self.progress = parts, budget, rng, progress
         self.statistics = Statistics()
+        self._retrieval = parts.retrieval
         self.execution: Execution = parts.execution(self.statistics, budget, rng)
         self._mapf_budget, self._goal_margin = mapf_budget, goal_margin
         self._grasp_tries = grasp_tries
+
+    def look_harder(self) -> None:
+        """From now on retrieval looks at more grasps, which is slow to begin with."""
+        with self.statistics.timed("retrieval"):
+            self._retrieval = self._retrieval.thorough()
 
     def region(self, draws: int) -> SweptRegion | None:
         """The NGR of the retrieval, of some drawn, whose way is blocked the least.
@@ -84,7 +90,7 @@ class SearchRun:
         one or two objects aside takes about as long as to look for a better one.
         """
         best: tuple[tuple[int, float], SweptRegion] | None = None
-        problem, retrieval = self.parts.problem, self.parts.retrieval
+        problem, retrieval = self.parts.problem, self._retrieval
         for drawn in range(1, draws + 1):
             with self.statistics.timed("retrieval"):
                 found = retrieval.plan(problem.initial, self.rng, ignore_movables=True)
@@ -106,7 +112,7 @@ class SearchRun:
         for _ in range(self._grasp_tries):
             with self.statistics.timed("retrieval"):
                 self.statistics.counts["retrievals"] += 1
-                found = self.parts.retrieval.plan(stand.state, self.rng, avoid=avoid)
+                found = self._retrieval.plan(stand.state, self.rng, avoid=avoid)
             if found.motion is None or self.budget.exhausted:
                 return None
             plan = self._confirmed(stand, done, found.motion, region)
