@@ -225,8 +225,8 @@ def test_a_tall_target_is_lifted_less(shelf_with, parts_of):
     parts = parts_of(problem)
     retrieval = retrieval_of(problem, parts)
     ceiling = problem.scene.workspace.upper[2]
-    assert retrieval._candidates
-    for candidate in retrieval._candidates:
+    assert retrieval._grasps.found
+    for candidate in retrieval._grasps.found:
         rise = (
             parts.kinematics.forward(candidate.lift[-1])[2, 3]
             - parts.kinematics.forward(candidate.lift[0])[2, 3]
@@ -259,20 +259,20 @@ def test_the_meshes_decide_where_covers_leave_no_way_in(problem, parts, cleared)
     changed = SimpleNamespace(**{**vars(parts), "collision": Squeamish(parts)})
     straight_ahead = replace(problem, grasps=problem.grasps[:1])
     retrieval = retrieval_of(straight_ahead, changed)
-    assert retrieval._candidates
-    for candidate in retrieval._candidates:
+    assert retrieval._grasps.found
+    for candidate in retrieval._grasps.found:
         assert changed.collision.in_band(candidate.reach).any()
         ends = np.array([candidate.reach[0], candidate.reach[-1], candidate.lift[-1]])
         assert not changed.collision.in_band(ends).any()
-    assert retrieval._unblocked(cleared, retrieval._candidates)
-    assert not retrieval._unblocked(problem.initial, retrieval._candidates)
+    assert retrieval._unblocked(cleared, retrieval._grasps.found)
+    assert not retrieval._unblocked(problem.initial, retrieval._grasps.found)
 
 
 def test_a_thorough_planner_looks_at_all_grasps(problem, parts, retrieval):
     few = retrieval_of(problem, parts, grasps=2)
     thorough = few.thorough()
-    assert {c.number for c in few._candidates} < {c.number for c in thorough._candidates}
-    assert len({c.number for c in thorough._candidates}) > RetrievalOptions().grasps
+    assert {c.number for c in few._grasps.found} < {c.number for c in thorough._grasps.found}
+    assert len({c.number for c in thorough._grasps.found}) > RetrievalOptions().grasps
     assert thorough.thorough() is thorough
 
 
