@@ -7,7 +7,7 @@ import pytest
 from mamo_planners.search.options import Uncertainty
 from mamo_planners.search.uncertainty import needed, sampled
 
-from mamo_core.testing.fakes import StraightPush
+from mamo_core.testing.fakes import StraightPush, StraightRetrieval
 from mamo_core.testing.scenes import clear_scene, one_blocker, two_blockers, walled_in
 from mamo_core.types.mapf import MAPFSolution, MAPFStatus
 from mamo_core.types.solution import SolutionStatus
@@ -220,6 +220,32 @@ def test_another_region_is_drawn_when_nothing_is_left(search_of):
     solution = search_of(problem, actions=[NoPush(problem)], **options).solve()
     assert solution.status is SolutionStatus.BUDGET_EXHAUSTED
     assert solution.statistics.counts["regions"] == 3
+
+
+class Asked(StraightRetrieval):
+    """Knows how often it was asked to look at more grasps."""
+
+    times = 0
+
+    def thorough(self):
+        self.times += 1
+        return self
+
+
+@pytest.mark.parametrize(("after", "times"), [(0, 1), (1, 1), (2, 0)])
+def test_retrieval_looks_harder_after_so_many_regions(search_of, after, times):
+    problem = one_blocker().problem
+    retrieval = Asked(problem)
+    search = search_of(
+        problem,
+        actions=[NoPush(problem)],
+        retrieval=retrieval,
+        kind="depth_first",
+        regions=2,
+        thorough_after=after,
+    )
+    assert search.solve().plan is None
+    assert retrieval.times == times
 
 
 def test_a_plan_that_fails_verification_is_never_returned(search_of):
