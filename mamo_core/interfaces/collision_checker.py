@@ -7,7 +7,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from mamo_core.errors import PluginError
-from mamo_core.types.geometry import Array, BoolArray, Shape
+from mamo_core.types.geometry import Array, BoolArray, Shape, invert
 from mamo_core.types.region import SweptRegion
 
 
@@ -23,6 +23,14 @@ class HeldObject:
     shape: Shape
     T_tool_object: Array
     up: Array | None = None
+
+    @classmethod
+    def taken(
+        cls, name: str, shape: Shape, T_world_tool: Array, T_world_object: Array
+    ) -> HeldObject:
+        """An object that stands at ``T_world_object`` (4, 4) when the tool takes hold of it."""
+        T = invert(T_world_tool) @ T_world_object
+        return cls(name, shape, T, up=T[:3, 2])
 
 
 class CollisionWorld(ABC):

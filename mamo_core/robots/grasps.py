@@ -71,6 +71,14 @@ def hand_of(robot: str) -> Hand:
     return HANDS[robot]
 
 
+def widths_between_fingers(shape: Shape, T_object_tool: Array) -> Array:
+    """Widths (n,), m, of an upright ``shape`` along the y axes of tools (n, 4, 4) at it."""
+    if isinstance(shape, Box):
+        widths: Array = np.abs(T_object_tool[:, :3, 1]) @ shape.size
+        return widths
+    return np.full(len(T_object_tool), 2.0 * shape.radius)
+
+
 def side_grasps(
     shape: Shape, hand: Hand, *, first_yaw: float = 0.0, heights: Sequence[float] = HEIGHTS
 ) -> tuple[Grasp, ...]:

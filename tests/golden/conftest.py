@@ -4,12 +4,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mamo_planners.search.execution import Engine, Execution
+from mamo_planners.search.execution import Execution
 from mamo_planners.search.greedy import GreedySearch
 from mamo_planners.search.options import BestFirstOptions, DepthFirstOptions, GreedyOptions
 from mamo_planners.search.orders import DepthFirst, order_of
 from mamo_planners.search.rearrangement import RearrangementSearch
 from mamo_planners.search.run import SearchParts
+from mamo_planners.search.stand import Engine
 from mamo_planners.search.uncertainty import needed, sampled
 
 from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus

@@ -46,6 +46,14 @@ class MuJoCoModel(SimulatedModel):
         continue_from: Sequence[Any] | None = None,
     ) -> list[RolloutResult]:
         """Side by side in threads (the engine lets the interpreter go while it steps)."""
+        if self._threads == 1:
+            return super().rollout_batch(
+                states,
+                motions,
+                parameters=parameters,
+                options=options,
+                continue_from=continue_from,
+            )
         overrides = parameters if parameters is not None else [None] * len(states)
         tokens = continue_from if continue_from is not None else [None] * len(states)
 
@@ -56,8 +64,6 @@ class MuJoCoModel(SimulatedModel):
             )
 
         jobs = list(zip(states, motions, overrides, tokens, strict=True))
-        if self._threads == 1:
-            return [one(job) for job in jobs]
         with ThreadPoolExecutor(self._threads) as pool:
             return list(pool.map(one, jobs))
 

@@ -23,6 +23,6 @@ class MuJoCoOptions(Options):
     batch_threads: int = Field(
         1,
         ge=1,
-        description="threads of rollout_batch; two take less time and a third more CPU, which is "
-        "what budgets count",
+        description="threads of rollout_batch; more take less time and more CPU, which is what "
+        "budgets count",
     )

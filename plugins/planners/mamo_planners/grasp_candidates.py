@@ -12,7 +12,7 @@ from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWo
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.robots.exact_collision import ExactChecker
 from mamo_core.robots.model import ArmModel
-from mamo_core.types.geometry import Array, invert, matrices_from_poses, matrix_from_pose
+from mamo_core.types.geometry import Array, matrices_from_poses, matrix_from_pose
 from mamo_core.types.problem import Grasp, Problem
 from mamo_core.types.scene import Mobility
 from mamo_planners.options import RetrievalOptions
@@ -79,8 +79,8 @@ class GraspCandidates:
 
     def held_at(self, T_world_tool: Array) -> HeldObject:
         """The target in the hand, taken where it stands."""
-        T = invert(T_world_tool) @ self._T_world_target
-        return HeldObject(self._target.name, self._target.shape, T, up=T[:3, 2])
+        target, T_world_target = self._target, self._T_world_target
+        return HeldObject.taken(target.name, target.shape, T_world_tool, T_world_target)
 
     def _find(self, branches: int) -> list[Candidate]:
         """Grasps are looked at in the problem's order until enough of them work."""

@@ -61,8 +61,9 @@ def _pick_place(context: BuildContext, options: PickPlaceOptions) -> Any:
 def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None) -> SearchParts:
     from mamo_core.robots.contact_free import check_meshes
     from mamo_planners.search.clearance import keeps_clear
-    from mamo_planners.search.execution import Engine, Execution
+    from mamo_planners.search.execution import Execution
     from mamo_planners.search.run import SearchParts
+    from mamo_planners.search.stand import Engine
     from mamo_planners.search.uncertainty import needed, sampled
 
     problem, robot = context.problem, context.robot

@@ -11,9 +11,10 @@ from mamo_core.interfaces.arm_planner import ArmPlanner
 from mamo_core.interfaces.collision_checker import CollisionChecker, HeldObject
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.interfaces.retrieval import Retrieval, RetrievalPlanner
+from mamo_core.robots.grasps import widths_between_fingers
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.timing import interpolated, time_path
-from mamo_core.types.geometry import Array, Box, matrix_from_pose
+from mamo_core.types.geometry import Array, matrix_from_pose
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.problem import Grasp, Problem
 from mamo_core.types.region import SweptRegion
@@ -192,9 +193,9 @@ class GraspAndExtract(RetrievalPlanner):
 
     def _reach_speed(self, grasp: Grasp) -> float:
         """Slower where the target nearly fills the hand: servos stray more the faster they go."""
-        shape, across = self._target.shape, matrix_from_pose(grasp.T_object_tool)[:3, 1]
-        width = np.abs(across) @ shape.size if isinstance(shape, Box) else 2.0 * shape.radius
-        gap = (grasp.opening - float(width)) / 2.0
+        T_object_tool = matrix_from_pose(grasp.T_object_tool)
+        width = widths_between_fingers(self._target.shape, T_object_tool[None])[0]
+        gap = (grasp.opening - width) / 2.0
         return self._options.reach_speed * float(np.clip(gap / _ROOMY, _SLOWEST, 1.0))
 
     def _timed(self, path: Array, speed: float, T_tool_point: Array | None = None) -> Trajectory:

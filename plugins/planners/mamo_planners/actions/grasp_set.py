@@ -6,9 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mamo_core.robots.grasps import HANDS, Hand, dipped_grasps, side_grasps
+from mamo_core.robots.grasps import (
+    HANDS,
+    Hand,
+    dipped_grasps,
+    side_grasps,
+    widths_between_fingers,
+)
 from mamo_core.robots.model import ArmModel
-from mamo_core.types.geometry import Array, Box, Shape, matrices_from_poses
+from mamo_core.types.geometry import Array, Shape, matrices_from_poses
 
 _HEIGHTS = (0.04, 0.065, 0.09, 0.12, 0.15, 0.18, 0.21, 0.24, 0.27)
 _CLEARANCE, _OPENING_SLACK = 0.01, 5e-4
@@ -35,10 +41,7 @@ def grasps_of(shape: Shape, arm: ArmModel) -> GraspSet:
     hand = _hand(arm)
     grasps = (*side_grasps(shape, hand, heights=_HEIGHTS), *dipped_grasps(shape, hand))
     T = matrices_from_poses(np.array([g.T_object_tool for g in grasps]).reshape(-1, 7))
-    if isinstance(shape, Box):
-        widths = np.abs(T[:, :3, 1]) @ shape.size
-    else:
-        widths = np.full(len(T), 2.0 * shape.radius)
+    widths = widths_between_fingers(shape, T)
     openings = np.array([g.opening for g in grasps])
     return GraspSet(T, openings, np.array([g.approach for g in grasps]), widths)
 

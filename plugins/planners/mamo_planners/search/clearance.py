@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mamo_core.interfaces.collision_checker import CollisionChecker, HeldObject
 from mamo_core.interfaces.kinematics import Kinematics
-from mamo_core.types.geometry import invert, matrix_from_pose
+from mamo_core.types.geometry import matrix_from_pose
 from mamo_core.types.motion import Motion, SegmentKind
 from mamo_core.types.problem import Problem
 from mamo_core.types.scene import SceneState
@@ -25,8 +25,8 @@ def keeps_clear(
     target = problem.scene.objects[number]
     first = next(s for s in retrieval.segments if s.held is not None)
     T_world_tool = kinematics.forward(first.trajectory.positions[0])
-    T = invert(T_world_tool) @ matrix_from_pose(state.object_poses[number])
-    held = HeldObject(target.name, target.shape, T, up=T[:3, 2])
+    T_world_target = matrix_from_pose(state.object_poses[number])
+    held = HeldObject.taken(target.name, target.shape, T_world_tool, T_world_target)
     for segment in retrieval.segments:
         carried = held if segment.held is not None else None
         world = collision.world(

@@ -13,12 +13,12 @@ from mamo_core.types.geometry import Array
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.solution import Plan
 from mamo_planners.search.abstraction import occupied
-from mamo_planners.search.execution import Stand
 from mamo_planners.search.goals import Failure, GoalMemory, penalties_for
 from mamo_planners.search.likeness import alike
 from mamo_planners.search.orders import Key, Order
 from mamo_planners.search.push_database import PushDatabase
 from mamo_planners.search.run import Actions, SearchRun
+from mamo_planners.search.stand import Stand
 from mamo_planners.search.vertices import Aim, Edge, Vertex
 
 _REUSED = "push"

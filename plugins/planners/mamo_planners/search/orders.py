@@ -8,10 +8,10 @@ from functools import partial
 
 from mamo_core.types.problem import Problem
 from mamo_core.types.region import SweptRegion
-from mamo_planners.search.execution import Stand
 from mamo_planners.search.features import Features, features_of
 from mamo_planners.search.options import BestFirstOptions
 from mamo_planners.search.priority import PriorityModel, log_density, log_survival
+from mamo_planners.search.stand import Stand
 from mamo_planners.search.vertices import Edge, Vertex
 
 Key = tuple[float, ...]

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from mamo_core.interfaces.action_generator import ActionRequest
 from mamo_core.types.geometry import Array
 from mamo_core.types.scene import SceneState
-from mamo_planners.search.execution import Stand
 from mamo_planners.search.run import Actions
+from mamo_planners.search.stand import Stand
 
 
 @dataclass(eq=False)
