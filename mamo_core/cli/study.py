@@ -78,12 +78,19 @@ def report(
         Path | None,
         typer.Option("-o", "--output", metavar="FILE", help="Write .md, .html or .json."),
     ] = None,
+    against: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="RECIPE",
+            help="Compare with this recipe, not the study's baseline; may be repeated.",
+        ),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Tables of a study: success, seconds, comparisons, causes."""
     from mamo_core.cli.studying import run_report
 
-    run_report(store, output, as_json=json)
+    run_report(store, output, tuple(against or ()), as_json=json)
 
 
 @app.command()

@@ -43,7 +43,7 @@ def _print_status(command: str, status: dict[str, Any], *, as_json: bool) -> Non
     )
 
 
-def run_report(path: Path, output: Path | None, *, as_json: bool) -> None:
+def run_report(path: Path, output: Path | None, against: tuple[str, ...], *, as_json: bool) -> None:
     """Print the report, or write it."""
     from mamo_core.study.report import check_ending, report_data, report_text, write_report
 
@@ -51,7 +51,7 @@ def run_report(path: Path, output: Path | None, *, as_json: bool) -> None:
         check_ending(output)
         check_writable(output)
     with open_store(path) as store:
-        data = report_data(store)
+        data = report_data(store, against)
     if output is not None:
         write_report(data, output)
     if as_json:

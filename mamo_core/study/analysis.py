@@ -20,12 +20,15 @@ ALL = "all"
 
 @dataclass(frozen=True)
 class Subject:
-    """What a report is about. ``total``: tasks, finished or not. ``budget``: CPU s."""
+    """What a report is about. ``total``: tasks, finished or not. ``budget``: CPU s.
+
+    ``baselines``: recipes that all are compared with.
+    """
 
     study: str
     total: int
     budget: float
-    baseline: str
+    baselines: tuple[str, ...]
 
 
 def analyse(subject: Subject, rows: Sequence[Row]) -> dict[str, Any]:
@@ -37,10 +40,14 @@ def analyse(subject: Subject, rows: Sequence[Row]) -> dict[str, Any]:
         "total": subject.total,
         "done": len(rows),
         "budget_s": subject.budget,
-        "baseline": subject.baseline,
+        "baselines": list(subject.baselines),
         "groups": [line for name, of in planners.items() for line in _groups(name, of, subject)],
         "curves": [_curve(name, of, subject) for name, of in planners.items()],
-        "comparisons": compare_all(rows, subject.baseline, planner_of),
+        "comparisons": [
+            line
+            for baseline in subject.baselines
+            for line in compare_all(rows, baseline, planner_of)
+        ],
         "shares": [_shares(name, of) for name, of in planners.items()],
         "causes": [line for name, of in planners.items() for line in _causes(name, of)],
         "failures": _failures(rows, planner_of),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from statistics import median
 from typing import Any
 
 from mamo_core.study.rows import Row
@@ -35,7 +36,11 @@ def _case(row: Row) -> tuple[str, str, int]:
 
 
 def compare(pairs: Sequence[Pair]) -> dict[str, Any]:
-    """Success by McNemar's test, seconds by a bootstrap over problems that both solved."""
+    """Success by McNemar's test, seconds by a bootstrap over problems that both solved.
+
+    ``rollouts`` (in all) and ``medians_s`` of these are the baseline's and the planner's; empty if
+    there are none.
+    """
     only_first = sum(a.succeeded and not b.succeeded for a, b in pairs)
     only_second = sum(b.succeeded and not a.succeeded for a, b in pairs)
     both = [(a, b) for a, b in pairs if a.succeeded and b.succeeded]
@@ -49,6 +54,8 @@ def compare(pairs: Sequence[Pair]) -> dict[str, Any]:
         "only_baseline": only_first,
         "only_planner": only_second,
         "p": mcnemar(only_first, only_second),
+        "rollouts": [sum(row.rollouts for row in side) for side in zip(*both, strict=True)],
+        "medians_s": [median(row.cpu_s or 0.0 for row in side) for side in zip(*both, strict=True)],
         "ratio": ratio[0] if ratio is not None else None,
         "ratio_interval": list(ratio[1:]) if ratio is not None else None,
         "seconds": [_seconds(pair) for pair in pairs],

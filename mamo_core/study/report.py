@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from mamo_core.atomic import atomic_path
-from mamo_core.errors import InputError
+from mamo_core.errors import InputError, suggestion
 from mamo_core.study.analysis import Subject, analyse
 from mamo_core.study.report_markdown import markdown_report
 from mamo_core.study.store import Store
@@ -16,20 +16,26 @@ from mamo_core.study.store import Store
 ENDINGS = (".md", ".html", ".json")
 
 
-def report_data(store: Store) -> dict[str, Any]:
-    """Everything a report says.
+def report_data(store: Store, against: Sequence[str] = ()) -> dict[str, Any]:
+    """Everything a report says; recipes are compared with those of ``against``.
+
+    With none of these, with the study's baseline.
 
     Raises:
-        InputError: nothing is finished.
+        InputError: nothing is finished, or there is no such recipe.
     """
     rows = store.rows()
     if not rows:
         raise InputError(f"{store.path}: no task is finished yet")
+    recipes = dict.fromkeys(row.recipe for row in rows)
+    for name in against:
+        if name not in recipes:
+            raise InputError(f"--against: no recipe {name!r}{suggestion(name, recipes)}")
     subject = Subject(
         study=store.about("study") or "",
         total=len(store.tasks()),
         budget=float(store.about("budget") or 0.0),
-        baseline=store.about("baseline") or "",
+        baselines=tuple(against) or (store.about("baseline") or "",),
     )
     return analyse(subject, rows)
 

@@ -55,7 +55,8 @@ def notes(data: Mapping[str, Any]) -> list[str]:
         "Verified: of the plans that were returned; planners that plan for uncertain parameters "
         "may return plans that do not hold for the true ones.",
         "Ratio: geometric mean of CPU seconds over those of the baseline where both succeeded, "
-        "with a bootstrap interval; p: McNemar's exact test on success.",
+        "with a bootstrap interval; rollouts (in all) and medians are of these, "
+        "first its own; p: McNemar's exact test on success.",
     ]
     if data["done"] < data["total"]:
         words.append(f"Not finished: {data['done']} of {data['total']} tasks are done.")
@@ -121,12 +122,15 @@ def _comparisons(data: Mapping[str, Any]) -> Table:
             line["baseline"],
             *(str(line[k]) for k in ("pairs", "both", "only_planner", "only_baseline")),
             f"{line['p']:.3g}",
+            " / ".join(str(n) for n in reversed(line["rollouts"])) or "-",
+            " / ".join(number(s, 2) for s in reversed(line["medians_s"])) or "-",
             number(line["ratio"], 2),
             "-".join(number(v, 2) for v in line["ratio_interval"] or (None,)),
         ]
         for line in data["comparisons"]
     ]
-    return Table("Paired comparison", (*header, "CPU ratio", "95 % interval"), rows)
+    more = ("rollouts", "median CPU s", "CPU ratio", "95 % interval")
+    return Table("Paired comparison", (*header, *more), rows)
 
 
 def _shares(data: Mapping[str, Any]) -> Table:

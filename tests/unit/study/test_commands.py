@@ -46,6 +46,9 @@ def test_a_real_study(tmp_path):
     store = tmp_path / "out" / "real.db"
     assert status["store"] == "out/real.db"
     report = json.loads(mamo("study", "report", store, "--json", cwd=tmp_path).stdout)
+    unknown = mamo("study", "report", store, "--against", "no_such", cwd=tmp_path)
+    assert unknown.returncode == 2
+    assert "--against: no recipe 'no_such'" in unknown.stderr
     assert [(g["planner"], g["class"], g["success"]) for g in report["groups"]] == [
         ("once", "all", 1.0),
         ("once", "easy", 1.0),

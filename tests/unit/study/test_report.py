@@ -17,7 +17,7 @@ from mamo_core.study.rows import Row
 from mamo_core.study.store import create_store, open_store
 from mamo_core.study.tables import markdown
 
-SUBJECT = Subject("made_up", total=8, budget=10.0, baseline="slow")
+SUBJECT = Subject("made_up", total=8, budget=10.0, baselines=("slow",))
 
 
 def row(recipe, problem, cpu, level="easy", **changes):
@@ -106,7 +106,19 @@ def test_comparison(data):
     assert (pair["only_planner"], pair["only_baseline"], pair["p"]) == (1, 1, 1.0)
     assert pair["ratio"] == pytest.approx(0.5)
     assert pair["ratio_interval"] == pytest.approx([0.5, 0.5])
+    assert (pair["rollouts"], pair["medians_s"]) == ([5, 5], [2.0, 1.0])
     assert pair["seconds"] == [[2.0, 1.0], [4.0, None], [None, 3.0], [None, None]]
+
+
+def test_every_recipe_is_compared_with_each_that_is_asked_for():
+    data = analyse(replace(SUBJECT, baselines=("slow", "fast")), ROWS)
+    assert [(pair["planner"], pair["baseline"]) for pair in data["comparisons"]] == [
+        ("fast", "slow"),
+        ("slow", "fast"),
+    ]
+    first, second = data["comparisons"]
+    assert first["ratio"] == pytest.approx(1.0 / second["ratio"])
+    assert "5 / 5" in report_text(data, ".md")
 
 
 def test_shares_and_causes(data):
