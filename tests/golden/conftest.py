@@ -135,6 +135,7 @@ class Search:
                 Engine(f"sample_{n}", self.model, values, n == 0) for n, values in enumerate(drawn)
             ]
             tolerated = len(engines) - needed(self.uncertainty)
+        self.engines = engines
         parts = (
             arm,
             engines,

@@ -96,6 +96,7 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
             statistics,
             budget,
             tolerated,
+            uncertainty.safety_margin if uncertainty is not None else 0.0,
         )
 
     return SearchParts(

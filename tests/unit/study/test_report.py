@@ -160,7 +160,19 @@ def test_markdown_report(data):
     figures = ["4", "2", "2", "100.0", "50.0", "15.0-85.0", "11.50", "2.0", "5.0"]
     assert ["slow", "a", "all", *figures] in lines
     assert ["slow", "4", "0.0", "25.0", "50.0", "50.0"] in lines
-    assert ["fast", "slow", "4", "1", "1", "1", "1", "5 / 5", "1.00 / 2.00", "0.50", "0.50-0.50"] in lines
+    assert [
+        "fast",
+        "slow",
+        "4",
+        "1",
+        "1",
+        "1",
+        "1",
+        "5 / 5",
+        "1.00 / 2.00",
+        "0.50",
+        "0.50-0.50",
+    ] in lines
     assert "different code" not in text
     assert "Not finished" not in text
 

@@ -14,7 +14,7 @@ from mamo_core.types.mapf import GoalPenalty, MAPFBudget
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus
 from mamo_planners.search.abstraction import occupied
-from mamo_planners.search.execution import Accept
+from mamo_planners.search.judging import Accept
 from mamo_planners.search.options import GreedyOptions
 from mamo_planners.search.run import Paths, SearchParts, SearchRun
 

@@ -48,6 +48,12 @@ class Uncertainty(Options):
     friction_spread: float = Field(
         0.5, ge=0.0, description="standard deviation of a friction coefficient, as a share"
     )
+    safety_margin: float = Field(
+        0.0,
+        ge=0.0,
+        description="distance that moved objects keep from what must not be touched, in every "
+        "simulation that is to hold, m; thesis: 0",
+    )
 
     @property
     def samples(self) -> int:

@@ -22,7 +22,8 @@ from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus, Statistics
 from mamo_planners.search.abstraction import mapf_problem, occupancy
-from mamo_planners.search.execution import Accept, Execution, ExecutionFactory
+from mamo_planners.search.execution import Execution, ExecutionFactory
+from mamo_planners.search.judging import Accept
 from mamo_planners.search.stand import Stand
 
 if TYPE_CHECKING:

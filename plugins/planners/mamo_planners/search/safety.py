@@ -1,0 +1,49 @@
+"""A distance that objects keep from what must not be touched, where masses are not known well."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mamo_core.types.geometry import Box, Shape, footprint_corners
+from mamo_core.types.problem import Problem
+from mamo_core.types.rollout import RolloutResult
+from mamo_core.types.scene import Mobility
+from mamo_planners.footprints import Outlines
+
+
+class SafetyMargin:
+    """Moved objects must end ``margin`` (m) away from immovable ones and the target, as seen from
+    above; one that was closer before may stay so."""
+
+    def __init__(self, problem: Problem, margin: float) -> None:
+        objects, poses = problem.scene.objects, problem.initial.object_poses
+        self._objects, self._margin = objects, margin
+        self._guarded = Outlines(
+            [
+                footprint_corners(_grown(item.shape, margin), pose)
+                for item, pose in zip(objects, poses, strict=True)
+                if item.mobility is not Mobility.MOVABLE
+            ]
+        )
+
+    def kept(self, result: RolloutResult) -> bool:
+        """Whether what a rollout moved is far enough away at its end."""
+        if self._margin == 0.0:
+            return True
+        before, after = result.segment_states[0].object_poses, result.final_state.object_poses
+        for number, item in enumerate(self._objects):
+            if item.name not in result.moved or item.mobility is not Mobility.MOVABLE:
+                continue
+            near = [
+                self._guarded.overlapped(footprint_corners(item.shape, poses[number])[None])[0]
+                for poses in (before, after)
+            ]
+            if near[1] and not near[0]:
+                return False
+        return True
+
+
+def _grown(shape: Shape, margin: float) -> Shape:
+    if isinstance(shape, Box):
+        return Box(shape.size + 2.0 * margin)
+    return replace(shape, radius=shape.radius + margin)
