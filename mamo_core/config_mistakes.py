@@ -33,10 +33,18 @@ class Mistake:
 def find_mistakes(model: type[BaseModel], data: Any, error: ValidationError) -> tuple[Mistake, ...]:
     """What is wrong with ``data``, in the order of the model's fields, one per place."""
     by_path: dict[DataPath, list[ErrorDetails]] = {}
-    for details in _nearest_branches(error.errors(include_url=False), data):
+    errors = [e for e in error.errors(include_url=False) if not _only_spoilt(e)]
+    for details in _nearest_branches(errors, data):
         by_path.setdefault(_data_path(details["loc"], data, details["type"]), []).append(details)
     mistakes = (_mistake(model, path, group) for path, group in by_path.items())
     return tuple(dict.fromkeys(mistakes))
+
+
+def _only_spoilt(details: ErrorDetails) -> bool:
+    """Whether a list is long enough, but for items that are wrong and told of themselves."""
+    if details["type"] != "too_short" or not isinstance(details["input"], list):
+        return False
+    return len(details["input"]) >= int(details["ctx"]["min_length"])
 
 
 def _nearest_branches(errors: list[ErrorDetails], data: Any) -> list[ErrorDetails]:

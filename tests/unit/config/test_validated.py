@@ -171,3 +171,14 @@ def test_a_part_of_a_document_keeps_its_place():
     with pytest.raises(InputError) as caught:
         validated(Document, located)
     assert str(caught.value) == "f:2:9: thing.flag: 3, expected true or false"
+
+
+def test_wrong_items_do_not_make_a_list_too_short():
+    class Listed(Options):
+        things: tuple[Thing, ...] = Field(min_length=1)
+
+    with pytest.raises(InputError) as caught:
+        validated(Listed, load_text("things: [{name: a}]", "f"))
+    assert str(caught.value) == "f:1:10: things.0: missing key 'mass'"
+    with pytest.raises(InputError, match="expected at least 1 items, there are 0"):
+        validated(Listed, load_text("things: []", "f"))
