@@ -101,7 +101,7 @@ class Samples:
         found: dict[str, Line] = {}
         while pending and spare >= 0:
             some, pending = pending[: spare + 1], pending[spare + 1 :]
-            results = self._rollouts.side_by_side(some, motion, None)
+            results = self._rollouts.side_by_side(some, motion)
             for line, result in zip(some, results, strict=True):
                 next_line = after(line, result)
                 if next_line is not None:

@@ -25,7 +25,7 @@ class Judge:
     def good(
         self, result: RolloutResult, action: RearrangementAction, accept: Accept | None
     ) -> bool:
-        """Whether the action is valid, moves its object, and passes ``accept``."""
+        """Whether the action is valid, moves its object safely, and passes ``accept``."""
         cause = next(self._faults(result, action, accept), None)
         if cause is not None:
             self._stats.failed(action.object_name, action.kind, cause)

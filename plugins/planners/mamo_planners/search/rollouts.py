@@ -36,12 +36,10 @@ class Rollouts:
         self._charge(result)
         return result
 
-    def side_by_side(
-        self, lines: Sequence[Line], motion: Motion, options: RolloutOptions | None
-    ) -> list[RolloutResult]:
+    def side_by_side(self, lines: Sequence[Line], motion: Motion) -> list[RolloutResult]:
         """The same for several lines of one model."""
         if len(lines) == 1:
-            return [self.one(lines[0], motion, options)]
+            return [self.one(lines[0], motion, None)]
         jobs = [_job(line, motion) for line in lines]
         self._stats.counts["rollouts"] += len(lines)
         with self._stats.timed("rollouts"):
@@ -49,7 +47,6 @@ class Rollouts:
                 [state for state, _ in jobs],
                 [executed for _, executed in jobs],
                 parameters=[line.engine.parameters for line in lines],
-                options=options,
                 continue_from=[line.token for line in lines],
             )
         for result in results:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mamo_core.types.geometry import Box, Shape, footprint_corners
+from mamo_core.types.geometry import Array, Box, Shape, footprint_corners
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import RolloutResult
 from mamo_core.types.scene import Mobility
@@ -34,13 +34,12 @@ class SafetyMargin:
         for number, item in enumerate(self._objects):
             if item.name not in result.moved or item.mobility is not Mobility.MOVABLE:
                 continue
-            near = [
-                self._guarded.overlapped(footprint_corners(item.shape, poses[number])[None])[0]
-                for poses in (before, after)
-            ]
-            if near[1] and not near[0]:
+            if self._near(item.shape, after[number]) and not self._near(item.shape, before[number]):
                 return False
         return True
+
+    def _near(self, shape: Shape, pose: Array) -> bool:
+        return bool(self._guarded.overlapped(footprint_corners(shape, pose)[None])[0])
 
 
 def _grown(shape: Shape, margin: float) -> Shape:
