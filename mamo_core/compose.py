@@ -142,8 +142,9 @@ def compose(
         PluginError: a component whose packages are not installed.
     """
     choices = choose(recipe, problem, registry)
-    context = build_parts(choices, problem, robot)
     search = next(choice for choice in choices if choice.role == "search")
+    _check_task(search, problem)
+    context = build_parts(choices, problem, robot)
     return Planner(recipe, context, _build(search, context))
 
 
@@ -303,6 +304,15 @@ def _check_provides(choice: Choice, other: Choice, needed: Collection[str]) -> N
         raise InputError(
             f"{choice.place}: {_named(choice)} needs {', '.join(missing)} from the {other.role}, "
             f"but {_named(other)} provides {provided}"
+        )
+
+
+def _check_task(search: Choice, problem: Problem) -> None:
+    if problem.task not in search.component.tasks:
+        tasks = ", ".join(sorted(search.component.tasks))
+        raise InputError(
+            f"{search.place}: {_named(search)} does not plan for the task {problem.task.value!r} "
+            f"of problem {problem.name!r} (it does for: {tasks})"
         )
 
 

@@ -40,7 +40,8 @@ class Component:
 
     ``build(context, options)`` makes the part for one problem (see ``compose.BuildContext``).
     ``provides``: capabilities it declares. ``requires``: role -> capabilities it needs there;
-    compose refuses a recipe that lacks one before anything runs. ``extra``: of mamo, that installs
+    compose refuses a recipe that lacks one before anything runs. ``tasks``: of searches, the tasks
+    they plan for (see ``types.problem.Task``). ``extra``: of mamo, that installs
     the packages it needs. Of engines: ``cost``, CPU time relative to MuJoCo, cheap ones are asked
     first; ``grades``, check of the conformance suite -> how exact it is, "exact" where nothing is
     said; ``known_gaps``, check -> why it fails.
@@ -52,6 +53,7 @@ class Component:
     summary: str = ""
     provides: frozenset[str] = frozenset()
     requires: dict[str, frozenset[str]] = field(default_factory=dict)
+    tasks: frozenset[str] = frozenset({"retrieve"})
     extra: str = ""
     cost: float = 1.0
     grades: Mapping[str, str] = field(default_factory=dict)

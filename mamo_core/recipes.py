@@ -60,7 +60,7 @@ class Recipe(BaseModel):
     kinematics: Part = Field(description="arm kinematics")
     collision: Part = Field(description="collision checker")
     arm_planner: Part = Field(description="motion planner of the arm")
-    retrieval: Part = Field(description="plans how the target is taken out")
+    retrieval: Part | None = Field(default=None, description="plans how the target is taken out")
     mapf: Part | None = Field(default=None, description="multi-agent pathfinding solver")
     actions: tuple[Part, ...] = Field(
         default=(),

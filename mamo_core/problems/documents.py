@@ -21,7 +21,7 @@ from mamo_core.problems.schema import (
 from mamo_core.robots.grasps import hand_of
 from mamo_core.robots.specs import SPECS
 from mamo_core.types.geometry import Array, frozen_array, make_pose, shape_document, yaw_of
-from mamo_core.types.problem import DEFAULT_CONSTRAINTS, ConstraintSpec, Grasp, Problem
+from mamo_core.types.problem import DEFAULT_CONSTRAINTS, ConstraintSpec, Grasp, Problem, Task
 from mamo_core.types.scene import Fixture, Mobility, Scene, SceneObject, SceneState, Workspace
 
 
@@ -102,6 +102,7 @@ def _problem(document: ProblemDocument) -> Problem:
         home=home,
         grasps=_grasps(document, scene, poses[scene.target_index]),
         constraints=_constraints(document),
+        task=Task(document.task),
     )
 
 
@@ -183,6 +184,8 @@ def problem_document(problem: Problem) -> dict[str, Any]:
         "target": scene.objects[scene.target_index].name,
         "grasps": _grasps_document(problem),
     }
+    if problem.task is not Task.RETRIEVE:
+        document["task"] = problem.task.value
     if problem.constraints != DEFAULT_CONSTRAINTS:
         document["constraints"] = [
             {"name": spec.name, "options": dict(spec.options)} for spec in problem.constraints

@@ -129,6 +129,11 @@ class ProblemDocument(Options):
     fixtures: tuple[FixtureEntry, ...] = ()
     objects: tuple[ObjectEntry, ...] = Field(min_length=1)
     target: str = Field(description="name of the object to retrieve")
+    task: Literal["retrieve", "reach"] = Field(
+        default="retrieve",
+        description="retrieve: grasp the target and carry it home; reach: bring the open hand to "
+        "where the approach of one of the grasps begins",
+    )
     grasps: Literal["auto"] | tuple[GraspEntry, ...] = Field(
         default="auto", description="ways to hold the target, best first; auto: side grasps"
     )

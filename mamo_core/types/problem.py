@@ -4,10 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Any
 
-from mamo_core.types.geometry import Array, frozen_array, positive, z_axes
+import numpy as np
+
+from mamo_core.types.geometry import Array, frozen_array, matrix_from_pose, positive, z_axes
 from mamo_core.types.scene import Mobility, Scene, SceneState
+
+
+class Task(StrEnum):
+    """What is to be done with the target.
+
+    RETRIEVE: grasp it and carry it home. REACH: bring the open hand to where a grasp's approach
+    begins (its pre-grasp), the goal of thesis chapter 3.
+    """
+
+    RETRIEVE = "retrieve"
+    REACH = "reach"
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +40,13 @@ class Grasp:
         object.__setattr__(self, "T_object_tool", frozen_array(self.T_object_tool, "grasp", (7,)))
         positive(self.approach, "grasp approach")
         positive(self.opening, "grasp opening")
+
+    @property
+    def T_object_pregrasp(self) -> Array:
+        """Tool frame (4, 4) in the object's frame where the approach begins."""
+        T = matrix_from_pose(self.T_object_tool)
+        T[:3, 3] -= self.approach * T[:3, 0]
+        return T
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +68,7 @@ DEFAULT_CONSTRAINTS: tuple[ConstraintSpec, ...] = (
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Retrieve the target: grasp it by one of ``grasps`` and carry it to ``home`` (dof,)."""
+    """What to do with the target, by one of ``grasps``; ``home`` (dof,) is where retrievals end."""
 
     name: str
     scene: Scene
@@ -55,6 +76,7 @@ class Problem:
     home: Array
     grasps: tuple[Grasp, ...]
     constraints: tuple[ConstraintSpec, ...] = DEFAULT_CONSTRAINTS
+    task: Task = Task.RETRIEVE
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "home", frozen_array(self.home, "home", (None,)))
@@ -77,3 +99,10 @@ class Problem:
     def initial_z_axes(self) -> Array:
         """World z axes (n, 3) of the objects at the start, the reference of the tilt limit."""
         return z_axes(self.initial.object_poses)
+
+    @property
+    def pregrasps(self) -> Array:
+        """``T_world_tool`` (k, 4, 4) where the approach of each grasp begins at the start."""
+        T_world_target = matrix_from_pose(self.initial.object_poses[self.scene.target_index])
+        tools = [T_world_target @ grasp.T_object_pregrasp for grasp in self.grasps]
+        return np.array(tools).reshape(-1, 4, 4)

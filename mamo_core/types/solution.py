@@ -26,7 +26,10 @@ class SolutionStatus(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Rearrangements in order, then the retrieval; ``region`` is the NGR that was cleared."""
+    """Rearrangements in order, then what does the task; ``region`` is the NGR that was cleared.
+
+    ``retrieval``: the motion that ends the plan; it only reaches where the task is to reach.
+    """
 
     actions: tuple[RearrangementAction, ...]
     retrieval: Motion

@@ -27,7 +27,7 @@ from mamo_core.types.motion import SegmentKind
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import Mobility, SceneState
 from mamo_core.types.solution import Statistics
-from mamo_core.verify import check_closed
+from mamo_core.verify_task import check_closed
 
 THINGS = {
     "target": (Cylinder(0.03, 0.16), Mobility.TARGET, (0.85, -0.2)),
