@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +16,7 @@ from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion, MotionSegment
 from mamo_core.types.problem import Problem
+from mamo_core.types.rollout import RolloutResult
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Budget, Plan, Statistics
 from mamo_planners.reaching.goals import Goal
@@ -79,6 +80,13 @@ class Executions:
         """One segment more, or None if the arm or an object does what it must not."""
         return self._after(stand, (segment,))
 
+    def alone(self, segment: MotionSegment) -> bool:
+        """Whether a segment is valid with all objects at rest where they stand at first."""
+        line = Line(Engine("backend", self._parts.backend), self._parts.problem.initial)
+        begin = segment.trajectory.positions[0]
+        at_begin = replace(line, state=line.state.with_joints(begin))
+        return self._executed(at_begin, Motion((segment,), segment.opening)).valid
+
     def finished(self, stand: Stand, goal: Goal, rng: np.random.Generator) -> Plan | None:
         """A verified plan that ends with what the task demands at ``goal``, where the arm is."""
         if goal.candidate is not None:
@@ -104,10 +112,16 @@ class Executions:
     def _after(self, stand: Stand, segments: tuple[MotionSegment, ...]) -> Stand | None:
         opening = stand.segments[-1].opening if stand.segments else self._closed
         motion = Motion(segments, opening)
-        result = self._rollouts.one(stand.line, motion, KEEP)
+        result = self._executed(stand.line, motion)
         if not result.valid:
-            for violation in result.violations:
-                self._statistics.failed(violation.subject, "reach", violation.constraint)
-            self._statistics.failed("robot", "reach", "stalled", int(result.stalled))
             return None
         return Stand(stand.line.after(result, motion), (*stand.segments, *segments))
+
+    def _executed(self, line: Line, motion: Motion) -> RolloutResult:
+        """What happens; why it is not valid is counted."""
+        result = self._rollouts.one(line, motion, KEEP)
+        self._statistics.counts["steps"] += result.steps
+        for violation in result.violations:
+            self._statistics.failed(violation.subject, "reach", violation.constraint)
+        self._statistics.failed("robot", "reach", "stalled", int(result.stalled))
+        return result
