@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mamo_core.hookspecs import Component, NoOptions, hookimpl
+from mamo_planners.baselines.options import SelectiveSimulationOptions
 from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
 from mamo_planners.options import PickPlaceOptions, PushOptions, RetrievalOptions
 from mamo_planners.reaching.options import SpampOptions
@@ -147,6 +148,12 @@ def _spamp(context: BuildContext, options: SpampOptions) -> Any:
     return Spamp(_reaching_parts(context), options)
 
 
+def _selective_simulation(context: BuildContext, options: SelectiveSimulationOptions) -> Any:
+    from mamo_planners.baselines.selective_simulation import SelectiveSimulation
+
+    return SelectiveSimulation(_reaching_parts(context), context.part("engine_for"), options)
+
+
 def _learn_priority(bench: Workbench, options: NoOptions) -> Any:
     from mamo_planners.learning.command import command_of
 
@@ -224,6 +231,14 @@ def mamo_searches() -> Iterable[Component]:
             _spamp,
             SpampOptions,
             "SPAMP: pushes only in the last motion (thesis, Algorithms 2 and 3)",
+            requires=_CONTINUED,
+            tasks=_REACHES,
+        ),
+        Component(
+            "selective_simulation",
+            _selective_simulation,
+            SelectiveSimulationOptions,
+            "SelSim: simulates what was found to be in the way (Saleem and Likhachev, 2020)",
             requires=_CONTINUED,
             tasks=_REACHES,
         ),

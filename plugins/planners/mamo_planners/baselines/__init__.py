@@ -1,0 +1,1 @@
+"""Planners that the thesis compares itself with."""
