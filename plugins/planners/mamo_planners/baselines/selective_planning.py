@@ -1,4 +1,4 @@
-"""The planning phase of Selective Simulation: motions are simulated where they meet what matters."""
+"""Planning phase of Selective Simulation: motions are simulated where they meet what matters."""
 
 from __future__ import annotations
 
