@@ -81,9 +81,7 @@ def _reach(
     else that cannot be moved."""
     scene, initial = context.problem.scene, context.problem.initial
     movables = [scene.objects[i].name for i in scene.movable_indices]
-    world = context.part("collision").world(
-        initial.object_poses, opening=opening, ignore=movables
-    )
+    world = context.part("collision").world(initial.object_poses, opening=opening, ignore=movables)
     goals = context.part("kinematics").inverse(T_world_tool, rng, count=_BRANCHES)
     goals = goals[world.free(goals)] if len(goals) else goals
     if not len(goals):

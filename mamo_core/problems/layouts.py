@@ -1,8 +1,8 @@
 """The workspaces of thesis chapter 3: where they are, and what they are made of.
 
 Both stand where the thesis' shelf does (chapters 4 to 6), at the same height: that is where the
-right arm of the PR2 works. The thesis tells neither sizes nor places; 0.6 m x 0.8 m is the floor
-of that shelf.
+right arm of the PR2 works, and the table is the floor of that shelf. Chapter 3 itself tells neither
+sizes nor places.
 """
 
 from __future__ import annotations
@@ -11,14 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mamo_core.problems.importers import INTERIOR_LOWER, INTERIOR_UPPER
 from mamo_core.types.geometry import Box, make_pose
 from mamo_core.types.scene import Fixture, Workspace
 
 _Triple = tuple[float, float, float]
-
-BOARD = 0.04
-"""Thickness of table top and walls, m."""
 
 
 @dataclass(frozen=True)
@@ -49,26 +45,28 @@ class Layout:
         )
 
 
-def _tabletop() -> Layout:
-    (x0, y0, z), (x1, y1, _) = INTERIOR_LOWER, INTERIOR_UPPER
-    center = ((x0 + x1) / 2.0, (y0 + y1) / 2.0, z - BOARD / 2.0)
-    table = ("table", center, (x1 - x0, y1 - y0, BOARD))
-    return Layout((x0, y0, z), (x1, y1, z + 0.6), (table,), gap=0.0, movables=6, immovables=6)
+_TABLETOP = Layout(
+    lower=(0.48, -0.90, 0.77),
+    upper=(1.08, -0.10, 1.37),
+    boards=(("table", (0.78, -0.50, 0.75), (0.60, 0.80, 0.04)),),
+    gap=0.0,
+    movables=6,
+    immovables=6,
+)
+_REFRIGERATOR = Layout(
+    lower=(0.48, -0.80, 0.77),
+    upper=(1.08, -0.20, 1.37),
+    boards=(
+        ("base", (0.78, -0.50, 0.75), (0.60, 0.60, 0.04)),
+        ("back", (1.10, -0.50, 1.07), (0.04, 0.60, 0.68)),
+        ("top", (0.78, -0.50, 1.39), (0.60, 0.60, 0.04)),
+        ("right", (0.80, -0.82, 1.07), (0.64, 0.04, 0.68)),
+        ("left", (0.80, -0.18, 1.07), (0.64, 0.04, 0.68)),
+    ),
+    gap=0.01,
+    movables=3,
+    immovables=2,
+)
 
-
-def _refrigerator() -> Layout:
-    x0, y0, z0 = INTERIOR_LOWER[0], -0.80, INTERIOR_LOWER[2]
-    x1, y1, z1 = x0 + 0.6, y0 + 0.6, z0 + 0.6
-    x, y, z, half = x0 + 0.3, y0 + 0.3, z0 + 0.3, BOARD / 2.0
-    boards = (
-        ("base", (x, y, z0 - half), (0.6, 0.6, BOARD)),
-        ("back", (x1 + half, y, z), (BOARD, 0.6, 0.6 + 2 * BOARD)),
-        ("top", (x, y, z1 + half), (0.6, 0.6, BOARD)),
-        ("right", (x + half, y0 - half, z), (0.6 + BOARD, BOARD, 0.6 + 2 * BOARD)),
-        ("left", (x + half, y1 + half, z), (0.6 + BOARD, BOARD, 0.6 + 2 * BOARD)),
-    )
-    return Layout((x0, y0, z0), (x1, y1, z1), boards, gap=0.01, movables=3, immovables=2)
-
-
-LAYOUTS: dict[str, Layout] = {"tabletop": _tabletop(), "refrigerator": _refrigerator()}
+LAYOUTS: dict[str, Layout] = {"tabletop": _TABLETOP, "refrigerator": _REFRIGERATOR}
 """By name: a table (12 objects), and a compartment that is open at -x (5 objects)."""

@@ -32,8 +32,8 @@ GAP = 0.01
 
 FRICTION = (0.5, 1.1)
 
-_MISSES = 200
-_SCENE_DRAWS = 100
+_MISSES = 100
+_SCENE_DRAWS = 20
 
 
 def generate_tabletop(
