@@ -1,8 +1,8 @@
 """The workspaces of thesis chapter 3: where they are, and what they are made of.
 
-Both stand where the thesis' shelf does (chapters 4 to 6), at the same height: that is where the
-right arm of the PR2 works, and the table is the floor of that shelf. Chapter 3 itself tells neither
-sizes nor places.
+Their sizes are the thesis' (3.5.1, footnote 6): a table of 0.6 m x 0.8 m, a compartment of 0.6 m x
+0.6 m x 0.6 m. It does not say where they are; they stand where its shelf does (chapters 4 to 6), at
+the same height, as that is where the right arm of the PR2 works.
 """
 
 from __future__ import annotations
