@@ -145,7 +145,6 @@ def compose(
     """
     choices = choose(recipe, problem, registry)
     search = next(choice for choice in choices if choice.role == "search")
-    _check_task(search, problem)
     context = build_parts(choices, problem, robot)
     return Planner(recipe, context, _build(search, context))
 
@@ -159,7 +158,8 @@ def choose(
     """The components of some roles, in building order, checked against each other.
 
     Raises:
-        InputError: unknown component, wrong options, or a capability that is missing.
+        InputError: unknown component, wrong options, a capability that is missing, or a search
+            that does not plan for the task of the problem.
     """
     choices: list[Choice] = []
     for role in BUILD_ORDER:
@@ -173,6 +173,9 @@ def choose(
                 for part in recipe.parts(role)
             ]
     check_requirements(choices)
+    for choice in choices:
+        if choice.role == "search":
+            _check_task(choice, problem)
     return tuple(choices)
 
 
