@@ -10,7 +10,7 @@ from mamo_core.hookspecs import Component, NoOptions, hookimpl
 from mamo_planners.baselines.options import DogarOptions, SelectiveSimulationOptions
 from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
 from mamo_planners.options import PickPlaceOptions, PushOptions, RetrievalOptions
-from mamo_planners.reaching.options import SpampOptions
+from mamo_planners.reaching.options import ArmLatticeOptions, SpampOptions
 from mamo_planners.search.options import (
     BestFirstOptions,
     DepthFirstOptions,
@@ -137,6 +137,12 @@ def _best_first(context: BuildContext, options: BestFirstOptions) -> Any:
     )
 
 
+def _mha_star(context: BuildContext, options: ArmLatticeOptions) -> Any:
+    from mamo_planners.reaching.arm_planner import MultiHeuristicAStar
+
+    return MultiHeuristicAStar(context.problem, context.robot, context.part("kinematics"), options)
+
+
 def _reaching_parts(context: BuildContext) -> ReachingParts:
     from mamo_planners.reaching.stand import ReachingParts
 
@@ -165,6 +171,19 @@ def _learn_priority(bench: Workbench, options: NoOptions) -> Any:
     from mamo_planners.learning.command import command_of
 
     return command_of(bench)
+
+
+@hookimpl
+def mamo_arm_planners() -> Iterable[Component]:
+    """Multi-heuristic A*."""
+    return [
+        Component(
+            "mha_star",
+            _mha_star,
+            ArmLatticeOptions,
+            "multi-heuristic A* over joint primitives (thesis 3.4)",
+        ),
+    ]
 
 
 @hookimpl
