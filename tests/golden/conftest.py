@@ -130,11 +130,11 @@ class Search:
         engines = [Engine(name, model) for name, model in [("own", self.model), *self.others]]
         tolerated = 0
         if self.uncertainty is not None:
-            drawn = sampled(self.problem.scene, self.uncertainty, rng)
+            drawn = sampled(self.problem.scene, self.uncertainty, rng, self.uncertainty.samples)
             engines = [
                 Engine(f"sample_{n}", self.model, values, n == 0) for n, values in enumerate(drawn)
             ]
-            tolerated = len(engines) - needed(self.uncertainty)
+            tolerated = len(engines) - needed(self.uncertainty.threshold, len(engines))
         self.engines = engines
         parts = (
             arm,

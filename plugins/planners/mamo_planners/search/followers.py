@@ -44,10 +44,12 @@ class Samples:
         judge: Judge,
         statistics: Statistics,
         needed: int,
+        refusal: str = "not_valid_in_samples",
     ) -> None:
+        """``refusal``: what is counted as the cause if fewer agree."""
         self._collision, self._contact_free, self._clear = collision, contact_free, clear
         self._rollouts, self._judge, self._stats = rollouts, judge, statistics
-        self._needed = needed
+        self._needed, self._refusal = needed, refusal
         self._refusals: Counter[str] = Counter()
 
     def follow(
@@ -110,7 +112,7 @@ class Samples:
                 self._refusals[line.engine.name] += 1
                 spare -= 1
         if spare < 0:
-            self._stats.failed(*who, "not_valid_in_samples")
+            self._stats.failed(*who, self._refusal)
             return None
         return tuple(found[n] for n in (line.engine.name for line in lines) if n in found)
 
