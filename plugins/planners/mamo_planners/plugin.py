@@ -62,7 +62,7 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
     from mamo_core.robots.contact_free import check_meshes
     from mamo_planners.search.clearance import keeps_clear
     from mamo_planners.search.execution import Execution
-    from mamo_planners.search.fresh import FreshEngines
+    from mamo_planners.search.fresh import fresh_engines
     from mamo_planners.search.run import SearchParts
     from mamo_planners.search.stand import Engine
     from mamo_planners.search.uncertainty import needed, sampled
@@ -73,19 +73,6 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
 
     def contact_free(motion: Motion, states: Sequence[SceneState]) -> bool:
         return not check_meshes(scene, motion.segments, states, robot, motion.opening)
-
-    def fresh(rng: np.random.Generator) -> FreshEngines | None:
-        """Engines of samples that are drawn when they are asked for."""
-        if uncertainty is None or uncertainty.fresh == 0:
-            return None
-        # The search's own generator must not feel how often they are asked for.
-        own, count, backend = rng.spawn(1)[0], uncertainty.fresh, context.part("backend")
-
-        def draw() -> list[Engine]:
-            drawn = sampled(scene, uncertainty, own, count)
-            return [Engine(f"fresh_{n}", backend, v, False) for n, v in enumerate(drawn)]
-
-        return FreshEngines(draw, needed(uncertainty.fresh_threshold, count))
 
     def engines(rng: np.random.Generator) -> tuple[list[Engine], int]:
         """The engines, and how many of them may fail."""
@@ -99,6 +86,9 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
 
     def execution(statistics: Statistics, budget: Budget, rng: np.random.Generator) -> Execution:
         used, tolerated = engines(rng)
+        fresh = None
+        if uncertainty is not None:
+            fresh = fresh_engines(scene, uncertainty, rng, context.part("backend"))
         return Execution(
             problem,
             robot,
@@ -111,7 +101,7 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
             budget,
             tolerated,
             uncertainty.safety_margin if uncertainty is not None else 0.0,
-            fresh(rng),
+            fresh,
         )
 
     return SearchParts(

@@ -19,7 +19,7 @@ from mamo_core.types.rollout import RolloutResult
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Budget, Plan, Statistics
 from mamo_planners.search.followers import Clear, ContactFree, Samples, Witnesses, split
-from mamo_planners.search.fresh import FreshEngines, FreshSamples
+from mamo_planners.search.fresh import DrawEngines, FreshSamples
 from mamo_planners.search.judging import Accept, Judge
 from mamo_planners.search.rollouts import KEEP, Rollouts
 from mamo_planners.search.safety import SafetyMargin
@@ -54,7 +54,7 @@ class Execution:
         budget: Budget,
         tolerated: int = 0,
         safety_margin: float = 0.0,
-        fresh: FreshEngines | None = None,
+        fresh: DrawEngines | None = None,
     ) -> None:
         """``engines``: the first one's state is what the search plans from."""
         self._problem, self._arm = problem, arm
@@ -185,7 +185,7 @@ class Execution:
         samples, continuous = split(stand.others)
         if not (
             self._judge.retrieved(result)
-            and self._samples.hold(samples, motion)
+            and self._samples.holding(samples, motion) is not None
             and self._witnesses.hold(continuous, motion)
         ):
             return None

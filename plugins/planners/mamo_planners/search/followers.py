@@ -73,21 +73,21 @@ class Samples:
 
         return self._asked(lines, short, followed, (action.object_name, action.kind))
 
-    def hold(self, lines: Sequence[Line], retrieval: Motion) -> bool:
-        """Whether the retrieval is valid in enough lines.
+    def holding(self, lines: Sequence[Line], retrieval: Motion) -> tuple[Line, ...] | None:
+        """The lines in which the retrieval is valid; None if they are too few.
 
         Where nothing is near its way it need not be executed: from rest, masses and frictions only
         matter to what is touched.
         """
-        clear = [line for line in lines if self._clear(retrieval, line.state)]
+        clear = tuple(line for line in lines if self._clear(retrieval, line.state))
 
         def holds(line: Line, result: RolloutResult) -> Line | None:
             good = self._judge.retrieved(result)
             return line if good and self._free(line, result, retrieval) else None
 
         doubtful = [line for line in lines if line not in clear]
-        who = ("arm", "retrieval")
-        return self._asked(doubtful, retrieval, holds, who, sure=len(clear)) is not None
+        found = self._asked(doubtful, retrieval, holds, ("arm", "retrieval"), sure=len(clear))
+        return None if found is None else (*clear, *found)
 
     def _asked(
         self,

@@ -57,11 +57,8 @@ class Uncertainty(Options):
     fresh: int = Field(
         0,
         ge=0,
-        description="samples drawn anew for every plan that was found, which must execute it as "
-        "the others did; thesis: 0",
-    )
-    fresh_threshold: float = Field(
-        0.95, gt=0.0, le=1.0, description="share of the fresh samples that must hold"
+        description="samples drawn anew for every plan that was found: it is returned if all "
+        "execute it, or all but one and as many others; thesis: 0",
     )
 
     @property
