@@ -13,7 +13,7 @@ from mamo_core.types.solution import SolutionStatus
 HEAVY = 50.0
 
 
-def robust(search_of, threshold=1.0, fresh=0, **options):
+def robust(search_of, threshold=1.0, fresh=0, fresh_threshold=0.84, **options):
     """A search of four samples that know masses and frictions exactly."""
     uncertainty = Uncertainty(
         simulators=4,
@@ -22,6 +22,7 @@ def robust(search_of, threshold=1.0, fresh=0, **options):
         mass_spread=0.0,
         friction_spread=0.0,
         fresh=fresh,
+        fresh_threshold=fresh_threshold,
     )
     settings = {"kind": "depth_first", "uncertainty": uncertainty, "agnostic": 0, **options}
     return search_of(one_blocker().problem, **settings)
@@ -106,6 +107,15 @@ def test_a_way_back_that_is_not_free_is_simulated_to_its_end(search_of, monkeypa
     assert pushes == [0, 1, 1, 2, 2, 3, 3, 0]
 
 
+def test_samples_keep_the_arm_at_a_distance_fresh_ones_need_not(search_of):
+    search = robust(search_of, fresh=3, expansions=1, regions=1)
+    assert search.solve().status is SolutionStatus.SOLVED
+    search.well_free = lambda motion, states: False
+    solution = search.solve()
+    assert solution.status is not SolutionStatus.SOLVED
+    assert {c.split("/")[-1] for c in solution.statistics.causes} == {"not_valid_in_samples"}
+
+
 def with_fresh(search, monkeypatch, heavy=()):
     """What fresh samples are asked about, by who was drawn; the ``heavy`` ones cannot push."""
     asked = []
@@ -138,6 +148,13 @@ def test_a_plan_that_fresh_samples_execute_is_returned_as_it_was_found(search_of
 def test_after_one_that_fails_as_many_others_must_hold(search_of, monkeypatch, heavy):
     search = robust(search_of, fresh=3, expansions=1, regions=1)
     asked = with_fresh(search, monkeypatch, heavy)
+    assert search.solve().status is SolutionStatus.SOLVED
+    assert len(asked) == 6
+
+
+def test_a_larger_share_of_them_may_fail(search_of, monkeypatch):
+    search = robust(search_of, fresh=3, fresh_threshold=0.5, expansions=1, regions=1)
+    asked = with_fresh(search, monkeypatch, heavy=(0, 2, 5))
     assert search.solve().status is SolutionStatus.SOLVED
     assert len(asked) == 6
 

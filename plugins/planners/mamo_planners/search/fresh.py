@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,26 +16,35 @@ from mamo_planners.search.judging import Judge
 from mamo_planners.search.options import Uncertainty
 from mamo_planners.search.rollouts import Rollouts
 from mamo_planners.search.stand import Engine, Line
-from mamo_planners.search.uncertainty import sampled
+from mamo_planners.search.uncertainty import needed, sampled
 
-DrawEngines = Callable[[], Sequence[Engine]]
-"""Engines with masses and frictions that nobody has seen; each time as many."""
+
+@dataclass(frozen=True, eq=False)
+class FreshEngines:
+    """``draw``: each time as many engines, with masses and frictions that nobody has seen.
+
+    ``tolerated``: how many of those of two draws may fail.
+    """
+
+    draw: Callable[[], Sequence[Engine]]
+    tolerated: int
 
 
 def fresh_engines(
     scene: Scene, uncertainty: Uncertainty, rng: np.random.Generator, model: TransitionModel
-) -> DrawEngines | None:
-    """What draws them; None if the options ask for none."""
-    if uncertainty.fresh == 0:
+) -> FreshEngines | None:
+    """None if the options ask for none."""
+    count = uncertainty.fresh
+    if count == 0:
         return None
     # The search's own generator must not feel how often they are drawn.
     own = rng.spawn(1)[0]
 
     def draw() -> list[Engine]:
-        values = sampled(scene, uncertainty, own, uncertainty.fresh)
+        values = sampled(scene, uncertainty, own, count)
         return [Engine(f"fresh_{n}", model, v, continuous=False) for n, v in enumerate(values)]
 
-    return draw
+    return FreshEngines(draw, 2 * count - needed(uncertainty.fresh_threshold, 2 * count))
 
 
 class FreshSamples:
@@ -46,7 +56,7 @@ class FreshSamples:
 
     def __init__(
         self,
-        draw: DrawEngines,
+        engines: FreshEngines,
         collision: CollisionChecker,
         contact_free: ContactFree,
         clear: Clear,
@@ -54,20 +64,23 @@ class FreshSamples:
         judge: Judge,
         statistics: Statistics,
     ) -> None:
-        self._draw = draw
+        self._engines = engines
         self._parts = collision, contact_free, clear, rollouts, judge, statistics
 
     def hold(self, start: SceneState, plan: Plan, expected: Sequence[SceneState]) -> bool:
-        """Whether all execute the whole plan, or all but one and as many others.
+        """Whether all of some execute the whole plan, or enough of twice as many.
 
         ``expected``: about where each action leads. Most plans are clear cases, for which half of
         the samples will do (double sampling).
         """
-        engines = self._draw()
-        left = self._left(engines, 1, start, plan, expected)
-        if left is None or len(left) == len(engines):
-            return left is not None
-        return self._left(self._draw(), 0, start, plan, expected) is not None
+        tolerated = self._engines.tolerated
+        for _ in range(2):
+            engines = self._engines.draw()
+            left = self._left(engines, tolerated, start, plan, expected)
+            if left is None or len(left) == len(engines):
+                return left is not None
+            tolerated -= len(engines) - len(left)
+        return True
 
     def _left(
         self,
