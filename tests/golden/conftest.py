@@ -112,7 +112,6 @@ class Search:
         )
         self.mapf = Sidewards()
         self.told = []
-        self.well_free = lambda motion, states: True
         self.retrieval = retrieval or StraightRetrieval(problem)
         parts = SearchParts(
             problem,
@@ -145,7 +144,6 @@ class Search:
             NoCollisions(),
             StraightArm(),
             lambda motion, states: True,
-            lambda motion, states: self.well_free(motion, states),
             lambda motion, state: False,
         )
         return Execution(self.problem, *parts, statistics, budget, tolerated, fresh=fresh)

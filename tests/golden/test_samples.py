@@ -107,15 +107,6 @@ def test_a_way_back_that_is_not_free_is_simulated_to_its_end(search_of, monkeypa
     assert pushes == [0, 1, 1, 2, 2, 3, 3, 0]
 
 
-def test_samples_keep_the_arm_at_a_distance_fresh_ones_need_not(search_of):
-    search = robust(search_of, fresh=3, expansions=1, regions=1)
-    assert search.solve().status is SolutionStatus.SOLVED
-    search.well_free = lambda motion, states: False
-    solution = search.solve()
-    assert solution.status is not SolutionStatus.SOLVED
-    assert {c.split("/")[-1] for c in solution.statistics.causes} == {"not_valid_in_samples"}
-
-
 def with_fresh(search, monkeypatch, heavy=()):
     """What fresh samples are asked about, by who was drawn; the ``heavy`` ones cannot push."""
     asked = []

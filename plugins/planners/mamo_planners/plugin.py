@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mamo_core.cli.workbench import Workbench
     from mamo_core.compose import BuildContext
     from mamo_core.types.motion import Motion
-    from mamo_core.types.scene import Scene, SceneState
+    from mamo_core.types.scene import SceneState
     from mamo_core.types.solution import Budget, Statistics
     from mamo_planners.search.run import SearchParts
 
@@ -64,7 +64,6 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
     from mamo_planners.search.execution import Execution
     from mamo_planners.search.fresh import fresh_engines
     from mamo_planners.search.run import SearchParts
-    from mamo_planners.search.safety import grown_movables
     from mamo_planners.search.stand import Engine
     from mamo_planners.search.uncertainty import needed, sampled
 
@@ -72,8 +71,8 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
     scene, collision = problem.scene, context.part("collision")
     clear = partial(keeps_clear, problem, context.part("kinematics"), collision)
 
-    def contact_free(seen: Scene, motion: Motion, states: Sequence[SceneState]) -> bool:
-        return not check_meshes(seen, motion.segments, states, robot, motion.opening)
+    def contact_free(motion: Motion, states: Sequence[SceneState]) -> bool:
+        return not check_meshes(scene, motion.segments, states, robot, motion.opening)
 
     def engines(rng: np.random.Generator) -> tuple[list[Engine], int]:
         """The engines, and how many of them may fail."""
@@ -96,10 +95,7 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
             used,
             collision,
             context.part("arm_planner"),
-            partial(contact_free, scene),
-            partial(
-                contact_free, grown_movables(scene, uncertainty.arm_margin if uncertainty else 0.0)
-            ),
+            contact_free,
             clear,
             statistics,
             budget,

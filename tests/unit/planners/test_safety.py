@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mamo_planners.search.safety import SafetyMargin, grown_movables
+from mamo_planners.search.safety import SafetyMargin
 
 from mamo_core.testing.scenes import walled_in
-from mamo_core.types.geometry import footprint_corners, make_pose
+from mamo_core.types.geometry import make_pose
 from mamo_core.types.rollout import RolloutResult
-from mamo_core.types.scene import Mobility
 
 PROBLEM = walled_in().problem
 WALL, SIDE = 0.25, 0.06
@@ -47,12 +46,3 @@ def test_the_target_is_guarded_too():
     poses[0, :2] = PROBLEM.initial.object_poses[-1, :2] + [0.0, 0.065]
     close = replace(result, final_state=replace(result.final_state, object_poses=poses))
     assert not SafetyMargin(PROBLEM, 0.01).kept(close)
-
-
-def test_movable_objects_grow_and_all_others_stay():
-    grown = grown_movables(PROBLEM.scene, 0.005)
-    for before, after in zip(PROBLEM.scene.objects, grown.objects, strict=True):
-        reach = [footprint_corners(o.shape, make_pose([0, 0, 0])).max() for o in (before, after)]
-        more = 0.005 if before.mobility is Mobility.MOVABLE else 0.0
-        assert reach[1] - reach[0] == pytest.approx(more)
-    assert {o.mobility for o in grown.objects} == set(Mobility)

@@ -49,7 +49,6 @@ class Execution:
         collision: CollisionChecker,
         arm_planner: ArmPlanner,
         contact_free: ContactFree,
-        well_free: ContactFree,
         clear: Clear,
         statistics: Statistics,
         budget: Budget,
@@ -57,10 +56,7 @@ class Execution:
         safety_margin: float = 0.0,
         fresh: FreshEngines | None = None,
     ) -> None:
-        """``engines``: the first one's state is what the search plans from.
-
-        ``well_free``: ``contact_free`` with the margin that samples keep.
-        """
+        """``engines``: the first one's state is what the search plans from."""
         self._problem, self._arm = problem, arm
         self._collision, self._arm_planner = collision, arm_planner
         self._stats = statistics
@@ -71,7 +67,7 @@ class Execution:
         self._judge = Judge(collision, SafetyMargin(problem, safety_margin), statistics)
         needed = sum(not line.engine.continuous for line in others) - tolerated
         asks = self._rollouts, self._judge, statistics
-        self._samples = Samples(collision, well_free, clear, *asks, needed)
+        self._samples = Samples(collision, contact_free, clear, *asks, needed)
         self._witnesses = Witnesses(contact_free, *asks)
         # They say whether a plan holds: a margin is for those that it is fitted to.
         plain = self._rollouts, Judge(collision, SafetyMargin(problem, 0.0), statistics), statistics

@@ -54,12 +54,6 @@ class Uncertainty(Options):
         description="distance that moved objects keep from what must not be touched, in every "
         "simulation that is to hold, m; thesis: 0",
     )
-    arm_margin: float = Field(
-        0.0,
-        ge=0.0,
-        description="distance that the arm keeps from movable objects on ways without contact, in "
-        "every sample that is to hold, m; thesis: 0",
-    )
     fresh: int = Field(
         0,
         ge=0,

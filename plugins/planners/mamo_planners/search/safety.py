@@ -7,7 +7,7 @@ from dataclasses import replace
 from mamo_core.types.geometry import Array, Box, Shape, footprint_corners
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import RolloutResult
-from mamo_core.types.scene import Mobility, Scene
+from mamo_core.types.scene import Mobility
 from mamo_planners.footprints import Outlines
 
 
@@ -40,15 +40,6 @@ class SafetyMargin:
 
     def _near(self, shape: Shape, pose: Array) -> bool:
         return bool(self._guarded.overlapped(footprint_corners(shape, pose)[None])[0])
-
-
-def grown_movables(scene: Scene, margin: float) -> Scene:
-    """The scene with movable objects that are ``margin`` (m) larger as seen from above."""
-    objects = tuple(
-        replace(o, shape=_grown(o.shape, margin)) if o.mobility is Mobility.MOVABLE else o
-        for o in scene.objects
-    )
-    return replace(scene, objects=objects)
 
 
 def _grown(shape: Shape, margin: float) -> Shape:
