@@ -91,8 +91,8 @@ class FreshSamples:
         expected: Sequence[SceneState],
     ) -> tuple[Line, ...] | None:
         """Those that execute the plan; None if more fail than are tolerated."""
-        needed = len(engines) - tolerated
-        samples = Samples(*self._parts, needed, "not_valid_in_fresh_samples")
+        enough = len(engines) - tolerated
+        samples = Samples(*self._parts, enough, "not_valid_in_fresh_samples")
         lines = tuple(Line(engine, start) for engine in engines)
         for action, state in zip(plan.actions, expected, strict=True):
             followed = samples.follow(lines, action, None, state)
