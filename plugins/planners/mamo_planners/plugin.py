@@ -67,6 +67,7 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
     from mamo_core.robots.contact_free import check_meshes
     from mamo_planners.search.clearance import keeps_clear
     from mamo_planners.search.execution import Execution
+    from mamo_planners.search.fresh import fresh_engines
     from mamo_planners.search.run import SearchParts
     from mamo_planners.search.stand import Engine
     from mamo_planners.search.uncertainty import needed, sampled
@@ -84,12 +85,15 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
         others = [Engine(name, model) for name, model in context.accept_in]
         if uncertainty is None:
             return [Engine("backend", backend), *others], 0
-        samples = sampled(scene, uncertainty, rng)
+        samples = sampled(scene, uncertainty, rng, uncertainty.samples)
         drawn = [Engine(f"sample_{n}", backend, v, n == 0) for n, v in enumerate(samples)]
-        return [*drawn, *others], len(drawn) - needed(uncertainty)
+        return [*drawn, *others], len(drawn) - needed(uncertainty.threshold, len(drawn))
 
     def execution(statistics: Statistics, budget: Budget, rng: np.random.Generator) -> Execution:
         used, tolerated = engines(rng)
+        fresh = None
+        if uncertainty is not None:
+            fresh = fresh_engines(scene, uncertainty, rng, context.part("backend"))
         return Execution(
             problem,
             robot,
@@ -102,6 +106,7 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
             budget,
             tolerated,
             uncertainty.safety_margin if uncertainty is not None else 0.0,
+            fresh,
         )
 
     return SearchParts(
