@@ -75,6 +75,22 @@ def reach_without_room() -> TinyScene:
     return reach_past(TinyScene(problem, ("a",), solvable=False))
 
 
+def reach_past_a_corner() -> TinyScene:
+    """To reach: on the straight way a finger pushes a box into an immovable one; others go round.
+
+    Another movable stands aside.
+    """
+    places = {"a": (0.2, 0.045), "b": (0.3, 0.25)}
+    return reach_past(TinyScene(_problem("corner", places, {"w": (0.275, 0.045)}), ("a",)))
+
+
+def reach_between_corners() -> TinyScene:
+    """To reach: the same for both fingers, one box each."""
+    places = {"a": (0.2, 0.045), "b": (0.2, -0.045)}
+    walls = {"v": (0.26, 0.1), "w": (0.26, -0.1)}
+    return reach_past(TinyScene(_problem("corners", places, walls), ("a", "b")))
+
+
 def _problem(
     name: str,
     movables: dict[str, tuple[float, float]],
