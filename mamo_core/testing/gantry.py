@@ -55,3 +55,18 @@ class GantryKinematics(Kinematics):
 
     def _configuration(self, T: Array) -> Array:
         return np.array([*T[:3, 3], np.arctan2(T[1, 0], T[0, 0])])
+
+
+class UprightGantry(GantryKinematics):
+    """The same, but it answers tilted tool poses with upright ones at the same place."""
+
+    def inverse(
+        self,
+        T_world_tool: Array,
+        rng: np.random.Generator,
+        *,
+        count: int,
+        near: Array | None = None,
+    ) -> Array:
+        upright = tool_matrix(T_world_tool[:3, 3], float(np.arctan2(*T_world_tool[1::-1, 0])))
+        return super().inverse(upright, rng, count=count, near=near)

@@ -70,7 +70,7 @@ def _link(
         center_of_mass=np.zeros(3),
         inertia=0.01 * np.eye(3),
         hulls=hulls,
-        meshes=(),
+        meshes=hulls,
         spheres=np.zeros((0, 4)),
     )
 

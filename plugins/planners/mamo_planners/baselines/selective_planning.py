@@ -90,22 +90,31 @@ class SelectivePlanning:
         self._work.expanded()
         self._statistics.counts["expansions"] += 1
         q = self._explored.configurations[state]
-        if self._scenery.field.distance(self._tool(q)) <= self._options.snap_distance:
-            goal = self._scenery.goals.near(q, rng)
-            if self._moved(state, goal.configuration[None, :])[0] is not None:
-                return Planned(np.vstack([self._explored.way(state), goal.configuration]), goal)
+        goal = self._goal_from(q, rng)
         cells = self._lattice.successors(self._explored.keys[state][0])
         ends = np.array([self._lattice.configuration(cell) for cell in cells])
-        if self._is_duplicate(state, q) and not self._free_of_relevant(state, ends).all():
-            self._statistics.counts["soft_duplicates"] += 1
-            self._put_off.add(state)
-            inflated = _INFLATION * self._heuristics(q)[queue]
-            self._queues.push_into(queue, state, self._explored.costs[state], inflated)
+        tried = ends if goal is None else np.vstack([ends, goal.configuration])
+        if self._is_duplicate(state, q) and not self._free_of_relevant(state, tried).all():
+            self._put_off_from(queue, state, q)
             return None
+        if goal is not None and self._moved(state, goal.configuration[None, :])[0] is not None:
+            return Planned(np.vstack([self._explored.way(state), goal.configuration]), goal)
         for cell, end, after in zip(cells, ends, self._moved(state, ends), strict=True):
             if after is not None:
                 self._add(cell, end, after, state)
         return None
+
+    def _goal_from(self, q: Array, rng: np.random.Generator) -> Goal | None:
+        """Where the straight motion to the goal is tried, the goal."""
+        if self._scenery.field.distance(self._tool(q)) > self._options.snap_distance:
+            return None
+        return self._scenery.goals.near(q, rng)
+
+    def _put_off_from(self, queue: int, state: int, q: Array) -> None:
+        self._statistics.counts["soft_duplicates"] += 1
+        self._put_off.add(state)
+        inflated = _INFLATION * max(self._heuristics(q)[queue], 1.0)
+        self._queues.push_into(queue, state, self._explored.costs[state], inflated)
 
     def _moved(self, state: int, ends: Array) -> list[SceneState | None]:
         """What straight motions from a state to ``ends`` (k, dof) lead to; None: not valid."""
@@ -135,6 +144,7 @@ class SelectivePlanning:
         line = Line(self._engine, before.with_joints(q))
         result = self._rollouts.one(line, Motion((segment,), segment.opening), None)
         self._work.simulated(result.steps)
+        self._statistics.counts["steps"] += result.steps
         if not result.valid:
             self._failed.append(q)
             return None

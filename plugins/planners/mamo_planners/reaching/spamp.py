@@ -126,13 +126,16 @@ class _Run:
     def planned(self, way: Array, primitive: Primitive) -> Plan | None:
         """The plan that goes along ``way`` (k, dof) and ends with the primitive, if it holds."""
         opened = self.motions.opened(self.start)
-        whole = np.vstack([way, primitive.path])
         if not primitive.interacts:
-            path = straightened(whole, self.scenery.everything)
-            return self._finished([opened, self.motions.transit(path)], primitive)
-        path = straightened(whole[:-1], self.scenery.everything)
-        gone = [self.motions.transit(path)] if len(path) > 1 else []
+            gone = self._gone(np.vstack([way, primitive.path]))
+            return self._finished([opened, *gone], primitive)
+        gone = self._gone(np.vstack([way, primitive.path[:1]]))
         return self._finished([opened, *gone, self.motions.sweep(primitive.path)], primitive)
+
+    def _gone(self, way: Array) -> list[MotionSegment]:
+        """The arm goes along ``way`` (k, dof), by short cuts; nothing if it is there already."""
+        path = straightened(way, self.scenery.everything)
+        return [self.motions.transit(path)] if np.ptp(path, axis=0).any() else []
 
     def _finished(self, segments: list[MotionSegment], primitive: Primitive) -> Plan | None:
         if primitive.goal.candidate is None:
@@ -230,7 +233,8 @@ class _Search:
         if state not in self._put_off and run.is_duplicate(q):
             run.statistics.counts["soft_duplicates"] += 1
             self._put_off.add(state)
-            inflated = _INFLATION * self._heuristics(q)[queue]
+            # Also where a subgoal begins, to which the heuristic is 0.
+            inflated = _INFLATION * max(self._heuristics(q)[queue], 1.0)
             self._queues.push_into(queue, state, self._explored.costs[state], inflated)
             return None
         primitive = run.primitives.to_goal(q, run.rng)

@@ -1,0 +1,98 @@
+"""Adaptive motion primitives: where they begin, what is valid, and which may push."""
+
+from itertools import islice
+
+import numpy as np
+import pytest
+from mamo_planners.reaching.amp import Primitives
+from mamo_planners.reaching.goals import Goals
+from mamo_planners.reaching.options import LatticeOptions
+from mamo_planners.reaching.scenery import look_at
+
+from mamo_core.testing.scenes import (
+    HOME,
+    clear_scene,
+    one_blocker,
+    reach_by_pushing,
+    reach_past,
+    walled_in,
+)
+
+GOAL = np.array([0.35, 0.0, 0.05, 0.0])
+
+
+def rng():
+    return np.random.default_rng(0)
+
+
+@pytest.fixture
+def primitives_of(reaching):
+    def make(scene, delta=0.2):
+        parts = reaching(scene.problem).parts
+        goals = Goals(parts.problem, parts.arm, parts.kinematics, parts.collision, rng())
+        seen = look_at(parts, goals, LatticeOptions())
+        worlds = seen.fixed, seen.everything
+        return Primitives(parts.kinematics, goals, *worlds, seen.field, delta)
+
+    return make
+
+
+def away(x=0.0, y=0.0, z=0.0):
+    return GOAL + (x, y, z, 0.0)
+
+
+def test_straight_to_the_goal(primitives_of):
+    primitive = primitives_of(reach_past(clear_scene())).to_goal(HOME, rng())
+    assert not primitive.interacts
+    assert primitive.path == pytest.approx(np.stack([HOME, GOAL]))
+
+
+def test_what_may_meet_a_movable_interacts(primitives_of):
+    primitives = primitives_of(reach_past(one_blocker()))
+    assert primitives.to_goal(HOME, rng()).interacts
+    assert not primitives.to_goal(away(y=-0.2), rng()).interacts
+
+
+def test_a_goal_that_a_movable_covers_interacts_from_anywhere(primitives_of):
+    primitives = primitives_of(reach_by_pushing())
+    assert all(primitives.to_goal(away(y=y), rng()).interacts for y in (-0.2, 0.2))
+
+
+def test_what_meets_an_immovable_is_none(primitives_of):
+    primitives = primitives_of(reach_past(walled_in()))
+    assert primitives.to_goal(HOME, rng()) is None
+    assert primitives.to_goal(away(y=-0.2), rng()) is not None
+
+
+@pytest.mark.parametrize(("y", "begins"), [(-0.1, True), (-0.19, True), (-0.24, False)])
+def test_they_begin_within_delta(primitives_of, y, begins):
+    assert primitives_of(reach_past(clear_scene())).begins_at(away(y=y)) is begins
+
+
+def test_delta_is_measured_around_immovables(primitives_of):
+    beyond = away(x=-0.16, z=0.01)
+    assert primitives_of(reach_past(clear_scene())).begins_at(beyond)
+    assert primitives_of(reach_past(one_blocker())).begins_at(beyond)
+    assert not primitives_of(reach_past(walled_in())).begins_at(beyond)
+
+
+def test_drawn_ones_begin_free_and_within_delta(primitives_of):
+    primitives = primitives_of(reach_by_pushing())
+    drawn = list(islice(primitives.drawn(rng(), np.array), 12))
+    assert len(drawn) == 12
+    assert all(primitives.begins_at(p.start) for p in drawn)
+    assert all(primitives._everything.free(p.start)[0] for p in drawn)
+    spread = np.ptp([p.start for p in drawn], axis=0)
+    assert (spread > 0.05).all()
+
+
+def test_drawn_ones_begin_where_they_are_rounded_to(primitives_of):
+    primitives = primitives_of(reach_past(clear_scene()))
+    drawn = islice(primitives.drawn(rng(), lambda q: np.round(q, 1)), 5)
+    assert all(np.array_equal(p.start, np.round(p.start, 1)) for p in drawn)
+
+
+def test_drawing_ends_where_nothing_is_to_be_had(primitives_of):
+    nowhere = primitives_of(reach_past(clear_scene()), delta=1e-3)
+    # Rounded to where no primitive begins.
+    assert list(nowhere.drawn(rng(), lambda q: HOME)) == []
