@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from mamo_core.hookspecs import Component, NoOptions, hookimpl
 from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
 from mamo_planners.options import PickPlaceOptions, PushOptions, RetrievalOptions
+from mamo_planners.reaching.options import SpampOptions
 from mamo_planners.search.options import (
     BestFirstOptions,
     DepthFirstOptions,
@@ -24,8 +25,10 @@ if TYPE_CHECKING:
     from mamo_core.types.motion import Motion
     from mamo_core.types.scene import SceneState
     from mamo_core.types.solution import Budget, Statistics
+    from mamo_planners.reaching.stand import ReachingParts
     from mamo_planners.search.run import SearchParts
 
+_REACHES = frozenset({"reach", "retrieve"})
 _CONTINUED = {"backend": frozenset({"exact_continuation"})}
 
 
@@ -132,6 +135,18 @@ def _best_first(context: BuildContext, options: BestFirstOptions) -> Any:
     )
 
 
+def _reaching_parts(context: BuildContext) -> ReachingParts:
+    from mamo_planners.reaching.stand import ReachingParts
+
+    return ReachingParts(*_arm_parts(context), context.part("backend"), context.part("verifier"))
+
+
+def _spamp(context: BuildContext, options: SpampOptions) -> Any:
+    from mamo_planners.reaching.spamp import Spamp
+
+    return Spamp(_reaching_parts(context), options)
+
+
 def _learn_priority(bench: Workbench, options: NoOptions) -> Any:
     from mamo_planners.learning.command import command_of
 
@@ -203,6 +218,14 @@ def mamo_searches() -> Iterable[Component]:
             DepthFirstOptions,
             "I-M4M: the rearrangement with the most actions first, lazily if wanted (thesis 6.3)",
             requires=_CONTINUED,
+        ),
+        Component(
+            "spamp",
+            _spamp,
+            SpampOptions,
+            "SPAMP: pushes only in the last motion (thesis, Algorithms 2 and 3)",
+            requires=_CONTINUED,
+            tasks=_REACHES,
         ),
     ]
 

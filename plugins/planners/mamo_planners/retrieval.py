@@ -11,21 +11,14 @@ from mamo_core.interfaces.arm_planner import ArmPlanner
 from mamo_core.interfaces.collision_checker import CollisionChecker, HeldObject
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.interfaces.retrieval import Retrieval, RetrievalPlanner
-from mamo_core.robots.grasps import widths_between_fingers
 from mamo_core.robots.model import ArmModel
-from mamo_core.robots.timing import interpolated, time_path
-from mamo_core.types.geometry import Array, matrix_from_pose
-from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
-from mamo_core.types.problem import Grasp, Problem
+from mamo_core.types.motion import Motion
+from mamo_core.types.problem import Problem
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import Mobility, SceneState
 from mamo_planners.grasp_candidates import Candidate, GraspCandidates
 from mamo_planners.options import RetrievalOptions
-
-_GRIPPER_TIME = 0.5
-_TOOL_SPEED_STEP = 0.1
-_ROOMY, _SLOWEST = 0.004, 0.3
-"""Beside the target, m, from which the hand goes at full speed, and the least share of it."""
+from mamo_planners.retrieval_motion import RetrievalMotion
 
 
 class GraspAndExtract(RetrievalPlanner):
@@ -47,6 +40,7 @@ class GraspAndExtract(RetrievalPlanner):
         self._target = scene.objects[scene.target_index]
         self._movables = [o.name for o in scene.objects if o.mobility is Mobility.MOVABLE]
         self._grasps = GraspCandidates(problem, arm, kinematics, collision, options)
+        self._motion = RetrievalMotion(problem, arm, kinematics, options)
 
     def plan(
         self,
@@ -151,62 +145,4 @@ class GraspAndExtract(RetrievalPlanner):
         if carry.path is None:
             causes[f"carry_{carry.status}"] += 1
             return None, [chosen]
-        return self._motion(chosen, reach.path, carry.path), [chosen]
-
-    def _motion(self, chosen: Candidate, transit: Array, carry: Array) -> Motion:
-        options, opening, name = self._options, chosen.grasp.opening, self._target.name
-        home = np.stack([self._problem.home, self._problem.home])
-        return Motion(
-            (
-                MotionSegment(
-                    SegmentKind.GRIPPER,
-                    Trajectory(np.array([0.0, _GRIPPER_TIME]), home),
-                    opening,
-                    contact_free=True,
-                ),
-                MotionSegment(
-                    SegmentKind.TRANSIT, self._timed(transit, np.inf), opening, contact_free=True
-                ),
-                MotionSegment(
-                    SegmentKind.REACH,
-                    self._timed(chosen.reach, self._reach_speed(chosen.grasp)),
-                    opening,
-                    contact_free=True,
-                ),
-                MotionSegment(
-                    SegmentKind.LIFT,
-                    self._timed(chosen.lift, options.reach_speed),
-                    opening,
-                    held=name,
-                    contact_free=True,
-                ),
-                MotionSegment(
-                    SegmentKind.CARRY,
-                    self._timed(carry, options.carry_speed, chosen.held.T_tool_object),
-                    opening,
-                    held=name,
-                    contact_free=True,
-                ),
-            ),
-            self._arm.gripper.closed,
-        )
-
-    def _reach_speed(self, grasp: Grasp) -> float:
-        """Slower where the target nearly fills the hand: servos stray more the faster they go."""
-        T_object_tool = matrix_from_pose(grasp.T_object_tool)
-        width = widths_between_fingers(self._target.shape, T_object_tool[None])[0]
-        gap = (grasp.opening - width) / 2.0
-        return self._options.reach_speed * float(np.clip(gap / _ROOMY, _SLOWEST, 1.0))
-
-    def _timed(self, path: Array, speed: float, T_tool_point: Array | None = None) -> Trajectory:
-        """No faster than ``speed`` (m/s) at the tool, or at a point of it."""
-        if np.isfinite(speed):
-            path = interpolated(path, _TOOL_SPEED_STEP)
-        T = np.eye(4) if T_tool_point is None else T_tool_point
-        return time_path(
-            path,
-            self._arm.velocity,
-            scale=self._options.joint_speed,
-            tool_positions=np.array([(self._kinematics.forward(q) @ T)[:3, 3] for q in path]),
-            tool_speed=speed,
-        )
+        return self._motion.whole(chosen, reach.path, carry.path), [chosen]

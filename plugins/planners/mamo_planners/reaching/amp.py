@@ -1,0 +1,97 @@
+"""Adaptive motion primitives: straight joint motions to a goal from nearby (thesis 3.3.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from mamo_core.interfaces.collision_checker import CollisionWorld
+from mamo_core.interfaces.kinematics import Kinematics
+from mamo_core.types.geometry import Array
+from mamo_planners.reaching.distance_field import DistanceField
+from mamo_planners.reaching.goals import Goal, Goals
+
+Rounding = Callable[[Array], Array]
+"""Moves a configuration (dof,) to the nearest that the search can get to."""
+
+_TRIES = 60
+_LARGEST_TURN = 0.6
+
+
+@dataclass(frozen=True, eq=False)
+class Primitive:
+    """A Phase 1 valid motion from ``start`` (dof,) to a goal.
+
+    ``interacts``: the arm may meet movables on it, so that only an engine can tell what happens.
+    """
+
+    start: Array
+    goal: Goal
+    interacts: bool
+
+    @property
+    def path(self) -> Array:
+        """Both ends (2, dof)."""
+        return np.stack([self.start, self.goal.configuration])
+
+
+class Primitives:
+    """Makes primitives in one problem.
+
+    ``fixed``: what must not be touched; ``everything``: all objects at their initial poses.
+    """
+
+    def __init__(
+        self,
+        kinematics: Kinematics,
+        goals: Goals,
+        fixed: CollisionWorld,
+        everything: CollisionWorld,
+        field: DistanceField,
+        delta: float,
+    ) -> None:
+        self._kinematics, self._goals = kinematics, goals
+        self._fixed, self._everything = fixed, everything
+        self._field, self._delta = field, delta
+
+    def begins_at(self, q: Array) -> bool:
+        """Whether the tool is close enough to a goal, around what is fixed."""
+        return self._field.distance(self._kinematics.forward(q)[:3, 3]) <= self._delta
+
+    def to_goal(self, q: Array, rng: np.random.Generator) -> Primitive | None:
+        """The primitive from ``q`` (dof,), if it is Phase 1 valid (Definition 1)."""
+        goal = self._goals.near(q, rng)
+        ends = goal.configuration[None, :]
+        if not self._fixed.edges_free(q[None, :], ends)[0]:
+            return None
+        return Primitive(q, goal, not self._everything.edges_free(q[None, :], ends)[0])
+
+    def drawn(self, rng: np.random.Generator, rounded: Rounding) -> Iterator[Primitive]:
+        """Random primitives whose start touches nothing, for as long as tries yield some."""
+        for _ in range(_TRIES):
+            tool = self._goals.tools[int(rng.integers(len(self._goals.tools)))]
+            found = self._kinematics.inverse(_nearby(tool, self._delta, rng), rng, count=1)
+            for q in map(rounded, found):
+                if self.begins_at(q) and self._everything.free(q)[0]:
+                    primitive = self.to_goal(q, rng)
+                    if primitive is not None:
+                        yield primitive
+
+
+def _nearby(T: Array, delta: float, rng: np.random.Generator) -> Array:
+    """A tool pose in the ball around ``T`` (4, 4), turned a little."""
+    way = rng.normal(size=3)
+    turn = rng.normal(size=3)
+    angle = rng.uniform(0.0, _LARGEST_TURN)
+    moved = T.copy()
+    moved[:3, 3] += delta * rng.random() ** (1 / 3) * way / np.linalg.norm(way)
+    moved[:3, :3] = _rotation(turn / np.linalg.norm(turn), angle) @ T[:3, :3]
+    return moved
+
+
+def _rotation(axis: Array, angle: float) -> Array:
+    """Rotation (3, 3) about a unit axis (Rodrigues)."""
+    K = np.cross(np.eye(3), axis)
+    return np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * (K @ K)

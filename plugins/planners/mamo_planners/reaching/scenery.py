@@ -1,0 +1,58 @@
+"""What one call of a planner that reaches looks at: goals, obstacles, and the way to go."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mamo_core.interfaces.collision_checker import CollisionWorld
+from mamo_core.types.geometry import Array
+from mamo_core.types.scene import Mobility
+from mamo_planners.reaching.distance_field import DistanceField
+from mamo_planners.reaching.goals import Goals
+from mamo_planners.reaching.options import LatticeOptions
+
+if TYPE_CHECKING:
+    from mamo_planners.reaching.stand import ReachingParts
+
+_MARGIN = 0.3
+"""How far the heuristic's box reaches beyond the workspace and the tool at home, m."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scenery:
+    """``fixed``: what must not be touched; ``everything``: all objects at their initial poses."""
+
+    goals: Goals
+    fixed: CollisionWorld
+    everything: CollisionWorld
+    field: DistanceField
+
+
+def look_at(parts: ReachingParts, goals: Goals, options: LatticeOptions) -> Scenery:
+    """The scenery of a problem with at least one goal."""
+    return Scenery(
+        goals,
+        goals.without_movables(),
+        goals.with_everything(parts.problem.initial),
+        distances_to(parts, goals.tools[:, :3, 3], options),
+    )
+
+
+def distances_to(parts: ReachingParts, points: Array, options: LatticeOptions) -> DistanceField:
+    """Ways of the tool to ``points`` (k, 3) around fixtures and immovables."""
+    scene, poses = parts.problem.scene, parts.problem.initial.object_poses
+    still = [(f.shape, f.pose) for f in scene.fixtures]
+    still += [
+        (item.shape, pose)
+        for item, pose in zip(scene.objects, poses, strict=True)
+        if item.mobility is not Mobility.MOVABLE
+    ]
+    home = parts.kinematics.forward(parts.problem.initial.joint_positions)[:3, 3]
+    corners = np.vstack([scene.workspace.lower, scene.workspace.upper, home, points])
+    lower, upper = corners.min(axis=0) - _MARGIN, corners.max(axis=0) + _MARGIN
+    field = DistanceField(lower, upper, options.resolution, still, options.hand_radius)
+    field.spread_from(points)
+    return field

@@ -1,0 +1,94 @@
+"""The timed segments of a retrieval."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mamo_core.interfaces.kinematics import Kinematics
+from mamo_core.robots.grasps import widths_between_fingers
+from mamo_core.robots.model import ArmModel
+from mamo_core.robots.timing import interpolated, time_path
+from mamo_core.types.geometry import Array, matrix_from_pose
+from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
+from mamo_core.types.problem import Grasp, Problem
+from mamo_planners.grasp_candidates import Candidate
+from mamo_planners.options import RetrievalOptions
+
+_GRIPPER_TIME = 0.5
+_TOOL_SPEED_STEP = 0.1
+_ROOMY, _SLOWEST = 0.004, 0.3
+"""Beside the target, m, from which the hand goes at full speed, and the least share of it."""
+
+
+class RetrievalMotion:
+    """Makes motions of the paths of one problem's retrievals."""
+
+    def __init__(
+        self, problem: Problem, arm: ArmModel, kinematics: Kinematics, options: RetrievalOptions
+    ) -> None:
+        self._problem, self._arm, self._kinematics = problem, arm, kinematics
+        self._options = options
+        self._target = problem.scene.objects[problem.scene.target_index]
+
+    def whole(self, chosen: Candidate, transit: Array, carry: Array) -> Motion:
+        """Open at home, go to the pre-grasp along ``transit`` (k, dof), take out the target."""
+        opening = chosen.grasp.opening
+        home = np.stack([self._problem.home, self._problem.home])
+        opened = Trajectory(np.array([0.0, _GRIPPER_TIME]), home)
+        gone = self._timed(transit, np.inf)
+        return Motion(
+            (
+                MotionSegment(SegmentKind.GRIPPER, opened, opening, contact_free=True),
+                MotionSegment(SegmentKind.TRANSIT, gone, opening, contact_free=True),
+                *self.taken_out(chosen, carry, contact_free=True),
+            ),
+            self._arm.gripper.closed,
+        )
+
+    def taken_out(
+        self, chosen: Candidate, carry: Array, *, contact_free: bool
+    ) -> tuple[MotionSegment, ...]:
+        """From the pre-grasp on: reach, lift, and along ``carry`` (k, dof) home.
+
+        ``contact_free``: whether the carry has to keep clear of everything.
+        """
+        options, opening, name = self._options, chosen.grasp.opening, self._target.name
+        carried = self._timed(carry, options.carry_speed, chosen.held.T_tool_object)
+        return (
+            MotionSegment(
+                SegmentKind.REACH,
+                self._timed(chosen.reach, self._reach_speed(chosen.grasp)),
+                opening,
+                contact_free=True,
+            ),
+            MotionSegment(
+                SegmentKind.LIFT,
+                self._timed(chosen.lift, options.reach_speed),
+                opening,
+                held=name,
+                contact_free=True,
+            ),
+            MotionSegment(
+                SegmentKind.CARRY, carried, opening, held=name, contact_free=contact_free
+            ),
+        )
+
+    def _reach_speed(self, grasp: Grasp) -> float:
+        """Slower where the target nearly fills the hand: servos stray more the faster they go."""
+        T_object_tool = matrix_from_pose(grasp.T_object_tool)
+        width = widths_between_fingers(self._target.shape, T_object_tool[None])[0]
+        gap = (grasp.opening - width) / 2.0
+        return self._options.reach_speed * float(np.clip(gap / _ROOMY, _SLOWEST, 1.0))
+
+    def _timed(self, path: Array, speed: float, T_tool_point: Array | None = None) -> Trajectory:
+        """No faster than ``speed`` (m/s) at the tool, or at a point of it."""
+        if np.isfinite(speed):
+            path = interpolated(path, _TOOL_SPEED_STEP)
+        T = np.eye(4) if T_tool_point is None else T_tool_point
+        return time_path(
+            path,
+            self._arm.velocity,
+            scale=self._options.joint_speed,
+            tool_positions=np.array([(self._kinematics.forward(q) @ T)[:3, 3] for q in path]),
+            tool_speed=speed,
+        )
