@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -53,7 +53,8 @@ class BuildContext:
     Built in this order: constraints, backend, accept_in, kinematics, collision, arm_planner,
     retrieval, mapf, actions, search. A part that is not built yet, or not in the recipe, is None.
     ``accept_in``: other engines, by name, in which actions and plans must be valid, too.
-    ``verifier`` replays a plan with all of them; it is there as soon as they are.
+    ``verifier`` replays a plan with all of them; it is there as soon as they are. ``engine_for``
+    builds the backend for another problem, such as this one without some of its objects.
     """
 
     problem: Problem
@@ -68,6 +69,7 @@ class BuildContext:
     mapf: MAPFSolver | None = None
     actions: tuple[tuple[str, ActionGenerator], ...] = ()
     verifier: PlanVerifier | None = None
+    engine_for: Callable[[Problem], TransitionModel] | None = None
 
     def part(self, role: str) -> Any:
         """The part built for ``role``, for components that cannot do without it.
@@ -143,7 +145,6 @@ def compose(
     """
     choices = choose(recipe, problem, registry)
     search = next(choice for choice in choices if choice.role == "search")
-    _check_task(search, problem)
     context = build_parts(choices, problem, robot)
     return Planner(recipe, context, _build(search, context))
 
@@ -157,7 +158,8 @@ def choose(
     """The components of some roles, in building order, checked against each other.
 
     Raises:
-        InputError: unknown component, wrong options, or a capability that is missing.
+        InputError: unknown component, wrong options, a capability that is missing, or a search
+            that does not plan for the task of the problem.
     """
     choices: list[Choice] = []
     for role in BUILD_ORDER:
@@ -171,6 +173,9 @@ def choose(
                 for part in recipe.parts(role)
             ]
     check_requirements(choices)
+    for choice in choices:
+        if choice.role == "search":
+            _check_task(choice, problem)
     return tuple(choices)
 
 
@@ -191,7 +196,7 @@ def build_parts(
     """Build everything but the search, in the order of ``choices``."""
     arm = robot if robot is not None else _load_robot(problem)
     _check_joints(problem, arm)
-    context = BuildContext(problem=problem, robot=arm)
+    context = BuildContext(problem=problem, robot=arm, engine_for=_engines(choices, arm))
     for role, attribute in ((r, _SEVERAL.get(r, r)) for r in BUILD_ORDER if r != "search"):
         chosen = [choice for choice in choices if choice.role == role]
         built = tuple((choice.component.name, _build(choice, context)) for choice in chosen)
@@ -206,6 +211,19 @@ def build_parts(
         if role == "accept_in" and context.backend is not None:
             context = replace(context, verifier=make_verifier(context))
     return context
+
+
+def _engines(choices: Sequence[Choice], arm: ArmModel) -> Callable[[Problem], TransitionModel]:
+    """A function that builds the backend, with its constraints, for other problems."""
+    needed = [choice for choice in choices if choice.role in ("constraint", "backend")]
+
+    def engine_for(problem: Problem) -> TransitionModel:
+        backend = build_parts(needed, problem, arm).backend
+        if backend is None:
+            raise InputError("a part 'backend' is needed, and the recipe gives none")
+        return backend
+
+    return engine_for
 
 
 def make_verifier(context: BuildContext) -> PlanVerifier:

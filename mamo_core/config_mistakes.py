@@ -15,6 +15,8 @@ from mamo_core.config_reader import DataPath
 from mamo_core.errors import suggestion
 
 _SHOWN = 60
+_OF_ANOTHER_TYPE = 1000
+"""More than the wrong keys of any mapping."""
 
 
 @dataclass(frozen=True)
@@ -50,13 +52,16 @@ def _only_spoilt(details: ErrorDetails) -> bool:
 def _nearest_branches(errors: list[ErrorDetails], data: Any) -> list[ErrorDetails]:
     """Without the errors of union members that were hardly meant.
 
-    Pydantic reports every member of a union; only the one with the fewest wrong keys is told.
+    Pydantic reports every member of a union; only the one with the fewest wrong keys is told, and
+    none that is of another type than the data if there is one of theirs.
     """
     wrong_keys: Counter[DataPath] = Counter()
     for details in errors:
         branch = _branch(details, data)
         if branch is not None:
             wrong_keys[branch] += details["type"] in ("extra_forbidden", "missing")
+            if details["loc"] == branch and details["type"].endswith("_type"):
+                wrong_keys[branch] += _OF_ANOTHER_TYPE
     least: dict[DataPath, int] = {}
     for branch, count in wrong_keys.items():
         least[branch[:-1]] = min(count, least.get(branch[:-1], count))

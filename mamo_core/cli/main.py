@@ -39,7 +39,8 @@ class _Commands(TyperGroup):
 app = typer.Typer(
     name="mamo",
     cls=_Commands,
-    help="Plan how a robot arm retrieves an object from clutter by moving others out of the way.",
+    help="Plan how a robot arm retrieves an object from clutter, or reaches for it, by moving "
+    "others out of the way.",
     epilog="Plugins may add commands: see the role 'command' of 'mamo plugins list'. "
     "Exit codes: 0 done, 1 internal error, 2 wrong usage or input, 3 no plan within the "
     "budget, 4 verification failed, 5 backend or plugin missing, 6 worker crashed, "

@@ -34,7 +34,7 @@ def plan(
         bool, typer.Option("--json", help="Print one JSON document instead of tables.")
     ] = False,
 ) -> None:
-    """Find, verify and write a plan that retrieves the target."""
+    """Find, verify and write a plan that retrieves the target, or reaches for it."""
     from mamo_core.cli.planning import PlanOrder, run_plan
 
     order = PlanOrder(

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mamo_core.cli.output import print_json, print_table
+from mamo_core.types.problem import Task
 from mamo_core.types.solution import Plan, Solution, SolutionStatus
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ class PlanReport:
     """
 
     problem: str
+    task: Task
     recipe: str
     seed: int
     solution: Solution
@@ -90,7 +92,7 @@ def _summary(report: PlanReport, output: Path | None, png: Path | None) -> Itera
         yield ["reason", solution.reason]
     if solution.plan is not None:
         actions = [f"{action.kind} {action.object_name}" for action in solution.plan.actions]
-        yield ["actions", ", ".join([*actions, "retrieve"])]
+        yield ["actions", ", ".join([*actions, report.task.value])]
     for name, count in sorted(solution.statistics.counts.items()):
         yield [name.replace("_", " "), str(count)]
     yield ["verification", _verification(report)]

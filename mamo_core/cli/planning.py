@@ -74,6 +74,7 @@ def _solve(planner: Planner, order: PlanOrder, tell: ProgressCallback) -> PlanRe
     outside += solution.statistics.outside_cpu
     return PlanReport(
         problem=planner.context.problem.name,
+        task=planner.context.problem.task,
         recipe=planner.recipe.recipe.name,
         seed=order.seed,
         solution=solution,

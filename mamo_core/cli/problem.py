@@ -39,20 +39,73 @@ def import_(
     run_import(source, output)
 
 
+Seed = Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the first problem.")]
+Count = Annotated[int, typer.Option(metavar="K", min=1, help="Problems to make, one seed each.")]
+Movables = Annotated[int, typer.Option(metavar="N", min=0, help="Number of movable objects.")]
+Immovables = Annotated[
+    int, typer.Option(metavar="N", min=1, help="Number of immovable objects with the target.")
+]
+
+
 @generate_app.command("shelf")
 def shelf(
-    level: Annotated[Level, typer.Option(help="How many movables are in the way: 1, 2, more.")],
-    movables: Annotated[int, typer.Option(metavar="N", min=1, help="Number of movable objects.")],
     output: Output,
-    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the first problem.")] = 0,
-    count: Annotated[
-        int, typer.Option(metavar="K", min=1, help="Problems to make, one seed each.")
-    ] = 1,
+    level: Annotated[
+        Level | None, typer.Option(help="How many movables are in the way: 1, 2, more.")
+    ] = None,
+    movables: Annotated[
+        int, typer.Option(metavar="N", min=1, help="Number of movable objects.")
+    ] = 10,
+    seed: Seed = 0,
+    count: Count = 1,
 ) -> None:
     """A shelf with movables, immovables and a target, distributed as in the thesis."""
-    from mamo_core.cli.generating import run_generate
+    from mamo_core.cli.generating import run_shelf
 
-    run_generate(level=level.value, movables=movables, seed=seed, count=count, output=output)
+    run_shelf(
+        level=level.value if level is not None else None,
+        movables=movables,
+        seed=seed,
+        count=count,
+        output=output,
+    )
+
+
+@generate_app.command("tabletop")
+def tabletop(
+    output: Output,
+    movables: Movables = 6,
+    immovables: Immovables = 6,
+    seed: Seed = 0,
+    count: Count = 1,
+) -> None:
+    """A reach for one of the YCB objects on a table, as in chapter 3 of the thesis."""
+    from mamo_core.cli.generating import run_workspace
+
+    run_workspace(
+        "tabletop", movables=movables, immovables=immovables, seed=seed, count=count, output=output
+    )
+
+
+@generate_app.command("refrigerator")
+def refrigerator(
+    output: Output,
+    movables: Movables = 3,
+    immovables: Immovables = 2,
+    seed: Seed = 0,
+    count: Count = 1,
+) -> None:
+    """A reach for one of the YCB objects in a refrigerator, as in chapter 3 of the thesis."""
+    from mamo_core.cli.generating import run_workspace
+
+    run_workspace(
+        "refrigerator",
+        movables=movables,
+        immovables=immovables,
+        seed=seed,
+        count=count,
+        output=output,
+    )
 
 
 @app.command()

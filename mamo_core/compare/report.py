@@ -41,7 +41,10 @@ def _plan_data(comparison: PlanComparison) -> dict[str, Any]:
     return {
         "problem": comparison.problem.name,
         "planned_with": comparison.planned_with,
-        "actions": [f"{a.kind} {a.object_name}" for a in comparison.plan.actions] + ["retrieve"],
+        "actions": [
+            *(f"{a.kind} {a.object_name}" for a in comparison.plan.actions),
+            comparison.problem.task.value,
+        ],
         "executions": [
             {
                 "engine": execution.engine,

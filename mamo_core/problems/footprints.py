@@ -148,5 +148,12 @@ def extents(one: Footprint) -> tuple[float, float, float, float]:
     return one.x - ex, one.y - ey, one.x + ex, one.y + ey
 
 
+def apart(a: Footprint, b: Footprint, gap: float) -> bool:
+    """Whether two footprints are at least ``gap`` (m) apart."""
+    if math.hypot(a.x - b.x, a.y - b.y) >= a.radius + b.radius + gap:
+        return True
+    return separation(a, b).distance >= gap
+
+
 def _sign(value: float) -> float:
     return math.copysign(1.0, value)

@@ -12,13 +12,14 @@ and in reach.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from mamo_core.errors import InputError, suggestion
 from mamo_core.problems.documents import automatic_grasps
-from mamo_core.problems.footprints import Footprint, extents, footprint, separation
+from mamo_core.problems.drawing import Classify, first_fitting
+from mamo_core.problems.footprints import Footprint, apart, extents, footprint
 from mamo_core.problems.importers import (
     HOME,
     INTERIOR_LOWER,
@@ -38,9 +39,6 @@ from mamo_core.types.scene import (
     SceneObject,
     SceneState,
 )
-
-Classify = Callable[[Problem], int | None]
-"""Movables in the initial NGR, or None if the target cannot be retrieved at all."""
 
 LEVELS = ("easy", "medium", "hard")
 """1, 2 and more than 2 movables in the initial NGR."""
@@ -89,19 +87,14 @@ def generate_shelf(
     _check_request(movables, seed, level, classify)
     rng = np.random.default_rng([seed, movables])
     name = "_".join(["shelf", str(movables), *([level] if level else []), f"seed{seed}"])
-    found: list[int | None] = []
-    for _ in range(max_draws):
-        problem = _draw(movables, name, rng)
-        if classify is None:
-            return problem
-        in_the_way = classify(problem)
-        if in_the_way is not None and level in (None, level_of(in_the_way)):
-            return problem
-        found.append(in_the_way)
-    raise InputError(
-        f"{name}: none of {max_draws} scenes fits (movables in the way, by scene: "
-        f"{_tally(found)}); try another seed or number of movables"
-    )
+
+    def draw() -> Problem:
+        return _draw(movables, name, rng)
+
+    def wanted(in_the_way: int) -> bool:
+        return level in (None, level_of(in_the_way))
+
+    return first_fitting(name, draw, classify, wanted, max_draws)
 
 
 def level_of(in_the_way: int) -> str | None:
@@ -118,13 +111,6 @@ def _check_request(movables: int, seed: int, level: str | None, classify: Classi
         raise InputError(f"level {level!r} is not known{suggestion(level, LEVELS)}")
     if level is not None and classify is None:
         raise ValueError("generate_shelf: a level needs 'classify'")
-
-
-def _tally(found: Sequence[int | None]) -> str:
-    counts = {n: found.count(n) for n in sorted(set(found), key=lambda n: -1 if n is None else n)}
-    return ", ".join(
-        f"{'target out of reach' if n is None else n} x{count}" for n, count in counts.items()
-    )
 
 
 def _draw(movables: int, name: str, rng: np.random.Generator) -> Problem:
@@ -146,7 +132,7 @@ def _bodies(count: int, rng: np.random.Generator) -> list[tuple[Shape, Array]] |
     while len(bodies) < count and misses < _MISSES:
         shape, pose = _body(rng)
         outline = footprint(shape, pose)
-        if _within_walls(outline) and all(_apart(outline, other) for other in placed):
+        if _within_walls(outline) and all(apart(outline, other, GAP) for other in placed):
             bodies.append((shape, pose))
             placed.append(outline)
             misses = 0
@@ -181,12 +167,6 @@ def _within_walls(outline: Footprint) -> bool:
         and x1 <= INTERIOR_UPPER[0] - GAP
         and y1 <= INTERIOR_UPPER[1] - GAP
     )
-
-
-def _apart(a: Footprint, b: Footprint) -> bool:
-    if math.hypot(a.x - b.x, a.y - b.y) >= a.radius + b.radius + GAP:
-        return True
-    return separation(a, b).distance >= GAP
 
 
 def _first_graspable(bodies: Sequence[tuple[Shape, Array]], farthest: float) -> int | None:

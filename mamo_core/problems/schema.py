@@ -128,7 +128,7 @@ class ProblemDocument(Options):
     workspace: WorkspaceEntry
     fixtures: tuple[FixtureEntry, ...] = ()
     objects: tuple[ObjectEntry, ...] = Field(min_length=1)
-    target: str = Field(description="name of the object to retrieve")
+    target: str = Field(description="name of the object to retrieve, or to reach for")
     task: Literal["retrieve", "reach"] = Field(
         default="retrieve",
         description="retrieve: grasp the target and carry it home; reach: bring the open hand to "

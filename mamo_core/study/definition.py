@@ -11,7 +11,7 @@ from mamo_core.config import Located, load_file, validated
 from mamo_core.errors import InputError, suggestion
 from mamo_core.recipe_sets import apply_sets, override
 from mamo_core.recipes import SUFFIXES, LoadedRecipe, find_recipe, load_recipe
-from mamo_core.study.schema import FileSource, GeneratedSource, RecipeEntry, StudyFile
+from mamo_core.study.schema import FileSource, RecipeEntry, Source, StudyFile
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class Study:
 
     name: str
     folder: Path
-    sources: tuple[FileSource | GeneratedSource, ...]
+    sources: tuple[Source, ...]
     variants: tuple[Variant, ...]
     seeds: tuple[int, ...]
     budget: float

@@ -54,7 +54,7 @@ class Researcher:
                 picked = pick_source(source, study.folder)
                 found.append((source, [loaded(entry) for entry in picked]))
             else:
-                found.append((None, self._generated(list(wanted(source.generate)))))
+                found.append((None, self._generated(list(wanted(source)))))
         return found
 
     def classify(self, problems: Iterable[StudyProblem], *, retry: bool) -> None:
@@ -82,13 +82,7 @@ class Researcher:
         code = None if self.any_code else self.code
         missing = [i for i in items if self.store.fact("problem", i.subject, code) is None]
         jobs = [
-            self._job(
-                item.subject,
-                self.work.generate,
-                level=item.level,
-                movables=item.movables,
-                seed=item.seed,
-            )
+            self._job(item.subject, getattr(self.work, item.function), **item.arguments)
             for item in missing
         ]
         for number, outcome in enumerate(self._run(jobs), 1):

@@ -12,8 +12,15 @@ from typing import Any
 from mamo_core.errors import InputError, suggestion
 from mamo_core.problems import problem_document
 from mamo_core.problems.files import read_entries
+from mamo_core.problems.layouts import LAYOUTS
 from mamo_core.problems.published import published_scenes
-from mamo_core.study.schema import FileSource, Generation
+from mamo_core.study.schema import (
+    FileSource,
+    GeneratedSource,
+    Generation,
+    WorkspaceGeneration,
+    WorkspaceSource,
+)
 from mamo_core.types.problem import Problem
 
 _PUBLISHED = "scenes/"
@@ -97,28 +104,49 @@ def loaded(picked: Picked) -> StudyProblem:
 
 @dataclass(frozen=True)
 class Wanted:
-    """A problem that is to be generated."""
+    """A problem that is to be generated.
 
-    level: str
-    movables: int
-    seed: int
+    ``function`` of ``tasks.Work`` makes it from ``arguments``; ``subject`` names it in the store.
+    """
 
-    @property
-    def set_name(self) -> str:
-        return f"shelf_{self.movables}"
-
-    @property
-    def subject(self) -> str:
-        """What names it in the store."""
-        return f"{self.level}/{self.movables}/{self.seed}"
+    set_name: str
+    subject: str
+    function: str
+    arguments: dict[str, Any]
 
 
-def wanted(generation: Generation) -> Iterator[Wanted]:
+def wanted(source: GeneratedSource | WorkspaceSource) -> Iterator[Wanted]:
     """What is to be generated, in order."""
+    if isinstance(source, GeneratedSource):
+        return _shelves(source.generate)
+    return _reaches(source.generate, source.set)
+
+
+def _shelves(generation: Generation) -> Iterator[Wanted]:
     for movables in generation.movables:
         for level in generation.levels:
-            for i in range(generation.count):
-                yield Wanted(level, movables, generation.seed + i)
+            for seed in range(generation.seed, generation.seed + generation.count):
+                yield Wanted(
+                    f"shelf_{movables}",
+                    f"{level}/{movables}/{seed}",
+                    "generate",
+                    {"level": level, "movables": movables, "seed": seed},
+                )
+
+
+def _reaches(generation: WorkspaceGeneration, set_name: str | None) -> Iterator[Wanted]:
+    layout = LAYOUTS[generation.workspace]
+    numbers = {
+        "movables": layout.movables if generation.movables is None else generation.movables,
+        "immovables": layout.immovables if generation.immovables is None else generation.immovables,
+    }
+    for seed in range(generation.seed, generation.seed + generation.count):
+        yield Wanted(
+            generation.workspace if set_name is None else set_name,
+            "/".join(map(str, (generation.workspace, *numbers.values(), seed))),
+            "generate_workspace",
+            {"workspace": generation.workspace, **numbers, "seed": seed},
+        )
 
 
 def content_hash(data: Any) -> str:

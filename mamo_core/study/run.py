@@ -119,7 +119,7 @@ class _Run:
         everything = [problem for _, problems in sources for problem in problems]
         if not everything:
             raise InputError(f"{self._order.study}: problems: none are left")
-        _check_variants(self._study, everything[0], discover())
+        _check_variants(self._study, everything, discover())
         self._describe(self._items(self._wanted(sources)))
         self._research.classify(everything, retry=self._order.retry_failed)
         items = self._items(self._wanted(sources))
@@ -192,11 +192,13 @@ class _Run:
             self._tell(f"{others} rows of other code are not used (they are with --any-code)")
 
 
-def _check_variants(study: Study, problem: StudyProblem, registry: Registry) -> None:
-    """Complain of recipes and engines before anything runs."""
-    scene = problem_from_document(problem.document, problem.id)
-    for variant in study.variants:
-        choose(variant.loaded, scene, registry)
+def _check_variants(study: Study, problems: list[StudyProblem], registry: Registry) -> None:
+    """Complain of recipes and engines before anything runs, with one problem of each task."""
+    examples = {problem.document.get("task"): problem for problem in reversed(problems)}
+    for problem in examples.values():
+        scene = problem_from_document(problem.document, problem.id)
+        for variant in study.variants:
+            choose(variant.loaded, scene, registry)
 
 
 def line_of(row: Row) -> str:

@@ -39,9 +39,33 @@ class Generation(_Strict):
 
 
 class GeneratedSource(_Strict):
-    """Problems that are generated; a set for each number of movables."""
+    """Shelves that are generated; a set for each number of movables."""
 
     generate: Generation
+
+
+class WorkspaceGeneration(_Strict):
+    """Reaches as of ``mamo problem generate tabletop`` and ``refrigerator``."""
+
+    workspace: Literal["tabletop", "refrigerator"]
+    movables: Natural | None = Field(
+        default=None, description="number of movables (default: 6 or 3, as in the thesis)"
+    )
+    immovables: Count | None = Field(
+        default=None, description="number of immovables with the target (default: 6 or 2)"
+    )
+    count: Count = Field(default=1, description="number of problems")
+    seed: Natural = Field(default=0, description="seed of the first; the others follow")
+
+
+class WorkspaceSource(_Strict):
+    """Reaches in a workspace of thesis chapter 3 that are generated."""
+
+    generate: WorkspaceGeneration
+    set: str | None = Field(default=None, description="name of the set (default: the workspace's)")
+
+
+Source = FileSource | GeneratedSource | WorkspaceSource
 
 
 class RecipeEntry(_Strict):
@@ -57,7 +81,7 @@ class StudyFile(_Strict):
 
     schema_version: Literal[1] = Field(description="version of this format")
     name: str = Field(min_length=1, pattern=r"^[\w.-]+$", description="name of the study")
-    problems: tuple[str | FileSource | GeneratedSource, ...] = Field(
+    problems: tuple[str | Source, ...] = Field(
         min_length=1, description="where problems come from; a file alone by its name"
     )
     recipes: tuple[str | RecipeEntry, ...] = Field(

@@ -8,18 +8,24 @@ import zlib
 from functools import cache
 from typing import Any
 
+from mamo_core import problems
 from mamo_core.classify import class_of, make_classifier
 from mamo_core.compose import compose
 from mamo_core.config import Located
 from mamo_core.errors import WorkerCrashedError
 from mamo_core.plan_file import PlanDocument, plan_text
 from mamo_core.plugins import Registry, discover
-from mamo_core.problems import generate_shelf, problem_document, problem_from_document
+from mamo_core.problems import (
+    generate_shelf,
+    generate_tabletop,
+    problem_document,
+    problem_from_document,
+)
 from mamo_core.recipe_sets import chosen_recipe
 from mamo_core.recipes import DEFAULT_RECIPE, LoadedRecipe, load_recipe
 from mamo_core.study.code import code_version
 from mamo_core.study.replay import replay_failures
-from mamo_core.types.problem import Problem
+from mamo_core.types.problem import Problem, Task
 from mamo_core.types.solution import Solution
 from mamo_core.warmup import load_kernels
 
@@ -39,10 +45,19 @@ def get_ready(recipe: dict[str, Any], robots: list[str], code: str) -> None:
     for robot in robots:
         load_arm(robot)
     loaded = _recipe(recipe)
-    problem = generate_shelf(movables=3, seed=1)
+    problem = _first_problem(loaded)
     solution = compose(loaded, problem, _registry()).solve(_FIRST_BUDGET)
     if solution.plan is not None:
         replay_failures(_text(problem, solution, loaded, 0), _registry())
+
+
+def _first_problem(recipe: LoadedRecipe) -> Problem:
+    """A small one of a task that the recipe's search plans for."""
+    (part,) = recipe.parts("search")
+    tasks = _registry().component("search", part.name, part.place).tasks
+    if Task.RETRIEVE in tasks:
+        return generate_shelf(movables=3, seed=1)
+    return generate_tabletop(movables=3, immovables=1, seed=1)
 
 
 def get_ready_to_classify(code: str) -> None:
@@ -80,6 +95,18 @@ def generate(level: str, movables: int, seed: int) -> dict[str, Any]:
     """A shelf as plain data."""
     classifier = make_classifier(chosen_recipe(DEFAULT_RECIPE), _registry())
     problem = generate_shelf(movables=movables, seed=seed, level=level, classify=classifier)
+    return problem_document(problem)
+
+
+def generate_workspace(workspace: str, movables: int, immovables: int, seed: int) -> dict[str, Any]:
+    """A reach in a workspace of chapter 3 as plain data."""
+    problem = problems.generate_workspace(
+        workspace,
+        movables=movables,
+        immovables=immovables,
+        seed=seed,
+        classify=make_classifier(chosen_recipe(DEFAULT_RECIPE), _registry()),
+    )
     return problem_document(problem)
 
 

@@ -69,6 +69,7 @@ class Work:
     solve: str = "mamo_core.study.solving:solve"
     classify: str = "mamo_core.study.solving:classify"
     generate: str = "mamo_core.study.solving:generate"
+    generate_workspace: str = "mamo_core.study.solving:generate_workspace"
 
 
 def solve_job(

@@ -108,7 +108,7 @@ class Scene:
 
     @property
     def target_index(self) -> int:
-        """Place of the object to retrieve."""
+        """Place of the object to retrieve, or to reach for."""
         return next(i for i, o in enumerate(self.objects) if o.mobility is Mobility.TARGET)
 
     @property

@@ -1,7 +1,8 @@
 """The scene from above, as the papers show it: the robot stands below the picture, y to the left.
 
 Movables blue, immovables red, target yellow, the space the retrieval sweeps (NGR) grey, intended
-paths pink, rearrangements as numbered arrows.
+paths pink, rearrangements as numbered arrows. Where the task is to reach, black arrows show where
+the hand shall be and where it points.
 """
 
 from __future__ import annotations
@@ -14,9 +15,9 @@ import numpy as np
 
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import Array, Cylinder, Shape, footprint_corners
-from mamo_core.types.problem import Problem
+from mamo_core.types.problem import Problem, Task
 from mamo_core.types.region import SweptRegion
-from mamo_core.types.scene import Mobility, SceneState
+from mamo_core.types.scene import Mobility, SceneObject, SceneState
 from mamo_core.types.solution import Plan
 
 COLORS = {
@@ -29,11 +30,18 @@ REGION = "#b8b8b8"
 WALL = "#8a7660"
 PATH = "#ec5fa5"
 ARROW = "#7a1f5c"
+GOAL = "#111111"
 MARGIN = 0.10
 """Shown around the workspace, m."""
 
 SHOWN_MOVE = 0.005
 """Objects that moved less are drawn without their old outline, m."""
+
+LONG_NAME = 8
+"""Names with more letters are broken into lines."""
+
+HAND = 0.05
+"""Length of the arrow at a pre-grasp pose, m."""
 
 TAKEN_OUT = 0.10
 """A target that moved farther has been retrieved, m."""
@@ -62,6 +70,7 @@ def draw(
     actions = plan.actions if plan is not None else ()
     surroundings(axes[0], problem, swept)
     _objects(axes[0], problem, problem.initial)
+    _goals(axes[0], problem)
     _actions(axes[0], actions)
     if final_state is not None:
         axes[0].set_title("before", fontsize=10)
@@ -79,7 +88,11 @@ def _title(problem: Problem, plan: Plan | None) -> str:
         return problem.name
     count = len(plan.actions)
     noun = "rearrangement" if count == 1 else "rearrangements"
-    return f"{problem.name}: {count} {noun}, then the retrieval"
+    return f"{problem.name}: {count} {noun}, then the {_last_part(problem)}"
+
+
+def _last_part(problem: Problem) -> str:
+    return "reach" if problem.task is Task.REACH else "retrieval"
 
 
 def _seen(points: Array) -> Array:
@@ -88,7 +101,7 @@ def _seen(points: Array) -> Array:
 
 
 def surroundings(axes: Any, problem: Problem, region: SweptRegion | None) -> None:
-    """Axes, shelf, and the region that the retrieval sweeps."""
+    """Axes, fixtures, and the region that the retrieval or reach sweeps."""
     space = problem.scene.workspace
     lower, upper = space.lower, space.upper
     axes.set_aspect("equal")
@@ -155,13 +168,24 @@ def _objects(axes: Any, problem: Problem, state: SceneState) -> None:
         axes.text(
             pose[1],
             pose[0],
-            item.name,
+            item.name.replace("_", "\n") if len(item.name) > LONG_NAME else item.name,
             ha="center",
             va="center",
             fontsize=7,
             zorder=6,
             clip_on=True,
         )
+
+
+def _goals(axes: Any, problem: Problem) -> None:
+    """Where the approach of each grasp begins, if that is what is to be reached."""
+    if problem.task is not Task.REACH:
+        return
+    for T_world_tool in problem.pregrasps:
+        tool, along = T_world_tool[:2, 3], T_world_tool[:2, 0]
+        start, end = _seen(np.array([tool - HAND * along, tool]))
+        style = {"arrowstyle": "-|>", "color": GOAL, "lw": 1.6, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", xy=end, xytext=start, arrowprops=style, zorder=5)
 
 
 def _moves(axes: Any, problem: Problem, final: SceneState) -> None:
@@ -176,10 +200,14 @@ def _moves(axes: Any, problem: Problem, final: SceneState) -> None:
         axes.add_patch(
             object_patch(item.shape, old, fill=False, ec=color, lw=1.2, ls="--", zorder=2)
         )
-        if item.mobility is Mobility.TARGET and distance > TAKEN_OUT:
+        if distance > TAKEN_OUT and _is_taken_out(problem, item):
             axes.text(old[1], old[0], "retrieved", ha="center", va="center", fontsize=6, zorder=2)
             continue
         axes.plot([old[1], new[1]], [old[0], new[0]], color=ARROW, lw=1.0, zorder=4)
+
+
+def _is_taken_out(problem: Problem, item: SceneObject) -> bool:
+    return item.mobility is Mobility.TARGET and problem.task is Task.RETRIEVE
 
 
 def _actions(axes: Any, actions: Sequence[RearrangementAction]) -> None:
@@ -226,7 +254,9 @@ def _legend(
         if mobility in present
     ]
     if region is not None:
-        handles.append(Patch(fc=REGION, label="swept by the retrieval (NGR)"))
+        handles.append(Patch(fc=REGION, label=f"swept by the {_last_part(problem)} (NGR)"))
+    if problem.task is Task.REACH:
+        handles.append(Line2D([], [], color=GOAL, marker=">", ms=4, label="pre-grasp pose"))
     if actions:
         handles.append(Line2D([], [], color=PATH, lw=2.0, label="intended path"))
         handles.append(

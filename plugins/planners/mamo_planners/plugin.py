@@ -7,7 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mamo_core.hookspecs import Component, NoOptions, hookimpl
-from mamo_planners.baselines.options import K3Options, KpieceOptions, RrtOptions
+from mamo_planners.baselines.options import SelectiveSimulationOptions
+from mamo_planners.baselines.sampling.components import components as sampling_components
 from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
 from mamo_planners.options import PickPlaceOptions, PushOptions, RetrievalOptions
 from mamo_planners.reaching.options import SpampOptions
@@ -25,8 +26,7 @@ if TYPE_CHECKING:
     from mamo_core.compose import BuildContext
     from mamo_core.types.motion import Motion
     from mamo_core.types.scene import SceneState
-    from mamo_core.types.solution import Budget, Plan, Statistics
-    from mamo_planners.baselines.growth import Growth, Node
+    from mamo_core.types.solution import Budget, Statistics
     from mamo_planners.reaching.stand import ReachingParts
     from mamo_planners.search.run import SearchParts
 
@@ -149,38 +149,10 @@ def _spamp(context: BuildContext, options: SpampOptions) -> Any:
     return Spamp(_reaching_parts(context), options)
 
 
-def _kpiece(context: BuildContext, options: KpieceOptions) -> Any:
-    from mamo_planners.baselines.actions import Actions, goals_before, goals_online
-    from mamo_planners.baselines.baseline import Baseline
-    from mamo_planners.baselines.control import grown
+def _selective_simulation(context: BuildContext, options: SelectiveSimulationOptions) -> Any:
+    from mamo_planners.baselines.selective_simulation import SelectiveSimulation
 
-    def grow(growth: Growth, root: Node) -> Plan | None:
-        if options.variant == "k1":
-            next_goal = goals_before(growth.goals, options.goals, growth.rng)
-        else:
-            next_goal = goals_online(growth.goals, growth.rng)
-        return grown("KPIECE1", Actions(growth, [root], next_goal), options.cell)
-
-    return Baseline(_reaching_parts(context), options, grow)
-
-
-def _k3(context: BuildContext, options: K3Options) -> Any:
-    from mamo_planners.baselines.baseline import Baseline
-    from mamo_planners.baselines.k3 import k3
-
-    return Baseline(_reaching_parts(context), options, partial(k3, options=options))
-
-
-def _rrt(context: BuildContext, options: RrtOptions) -> Any:
-    from mamo_planners.baselines.actions import Actions, goals_before
-    from mamo_planners.baselines.baseline import Baseline
-    from mamo_planners.baselines.control import grown
-
-    def grow(growth: Growth, root: Node) -> Plan | None:
-        next_goal = goals_before(growth.goals, options.goals, growth.rng)
-        return grown("RRT", Actions(growth, [root], next_goal))
-
-    return Baseline(_reaching_parts(context), options, grow)
+    return SelectiveSimulation(_reaching_parts(context), context.part("engine_for"), options)
 
 
 def _learn_priority(bench: Workbench, options: NoOptions) -> Any:
@@ -264,31 +236,14 @@ def mamo_searches() -> Iterable[Component]:
             tasks=_REACHES,
         ),
         Component(
-            "kpiece",
-            _kpiece,
-            KpieceOptions,
-            "OMPL's KPIECE over arm and objects (thesis 3.5.1: K1, K2)",
-            requires=_CONTINUED,
-            tasks=_REACHES,
-            extra="ompl",
-        ),
-        Component(
-            "k3",
-            _k3,
-            K3Options,
-            "KPIECE that simulates only what touches something (thesis 3.5.1: K3)",
+            "selective_simulation",
+            _selective_simulation,
+            SelectiveSimulationOptions,
+            "SelSim: simulates what was found to be in the way (Saleem and Likhachev, 2020)",
             requires=_CONTINUED,
             tasks=_REACHES,
         ),
-        Component(
-            "rrt",
-            _rrt,
-            RrtOptions,
-            "OMPL's RRT over arm and objects (thesis 5.6.1)",
-            requires=_CONTINUED,
-            tasks=_REACHES,
-            extra="ompl",
-        ),
+        *sampling_components(_reaching_parts, _REACHES),
     ]
 
 

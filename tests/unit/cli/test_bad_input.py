@@ -65,6 +65,10 @@ def fails(outcome, *expected, code=2):
         (("problem", "import", "problem.yaml", "-o", "x.txt"), "x.txt: unknown ending"),
         (("problem", "show", "none.yaml"), "none.yaml"),
         (("problem", "generate", "shelf", "--level", "hrd", "--movables", "3", "-o", "x"), "hrd"),
+        (("problem", "generate", "fridge", "-o", "x.json"), "No such command 'fridge'"),
+        (("problem", "generate", "tabletop", "--movables", "-1", "-o", "x.json"), "--movables"),
+        (("problem", "generate", "refrigerator", "--immovables", "0", "-o", "x.json"), "--immov"),
+        (("problem", "generate", "tabletop", "-o", "x.txt"), "x.txt: unknown ending (valid: .js"),
         (("schema", "recip"), "recip"),
     ],
 )

@@ -8,7 +8,7 @@ import pytest
 
 from mamo_core.classify import make_classifier
 from mamo_core.plugins import discover, make_registry
-from mamo_core.problems import load_problem
+from mamo_core.problems import load_problem, problem_ids
 from mamo_core.recipes import find_recipe, load_recipe
 
 
@@ -105,6 +105,31 @@ def test_a_set_needs_a_file_for_sets(run):
     done = run(*arguments, "-o", "x.json")
     assert done.code == 2
     assert done.err == "error: x.json: 2 problems need a file that ends in .jsonl or .jsonl.gz\n"
+
+
+@pytest.fixture
+def everything_in_reach(monkeypatch):
+    import mamo_core.cli.generating as generating
+
+    monkeypatch.setattr(generating, "make_classifier", lambda *arguments: lambda problem: 1)
+
+
+@pytest.mark.usefixtures("everything_in_reach")
+@pytest.mark.parametrize(
+    ("arguments", "ids"),
+    [
+        (("tabletop", "--seed", 4), ["tabletop_6_6_seed4"]),
+        (("refrigerator", "--count", 2), ["refrigerator_3_2_seed0", "refrigerator_3_2_seed1"]),
+        (("tabletop", "--movables", 8, "--immovables", 2), ["tabletop_8_2_seed0"]),
+        (("shelf",), ["shelf_10_seed0"]),
+        (("shelf", "--level", "easy", "--movables", 5), ["shelf_5_easy_seed0"]),
+    ],
+)
+def test_problem_generate(run, arguments, ids):
+    done = run("problem", "generate", *arguments, "-o", "made.jsonl")
+    noun = "problem" if len(ids) == 1 else "problems"
+    assert (done.code, done.out) == (0, f"made.jsonl: {len(ids)} {noun}\n")
+    assert problem_ids("made.jsonl") == ids
 
 
 def test_classifier_counts_the_movables_in_the_way(run):

@@ -15,7 +15,7 @@ from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.problems import generate_shelf
 from mamo_core.robots.kinematics import tool_transform
 from mamo_core.testing.transition_cases import merged
-from mamo_core.types.geometry import invert, make_pose, matrix_from_pose, tool_matrix, z_axes
+from mamo_core.types.geometry import Box, invert, make_pose, matrix_from_pose, tool_matrix, z_axes
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.rollout import ParameterOverrides
 from mamo_core.types.scene import Mobility, SceneState, displacements
@@ -55,6 +55,30 @@ def test_nothing_drifts(model_of, sleep):
         )
     ]
     assert max(turned) < 0.2
+
+
+def test_what_is_pushed_off_a_table_sinks(cases, model_of):
+    """The table ends behind the can, so that the push ends beyond its edge."""
+    scene = cases.problem.scene
+    start = cases.problem.initial.object_poses[scene.index("can")]
+    table = replace(
+        scene.fixtures[0],
+        shape=Box(np.array([0.2, 0.8, 0.04])),
+        pose=make_pose([start[0] - 0.08, -0.5, 0.75]),
+    )
+    kept = [i for i, item in enumerate(scene.objects) if item.name in ("can", "target")]
+    objects = tuple(scene.objects[i] for i in kept)
+    problem = replace(
+        cases.problem,
+        scene=replace(scene, fixtures=(table,), objects=objects),
+        initial=SceneState(cases.problem.home, cases.problem.initial.object_poses[kept]),
+    )
+    result = model_of(problem).rollout(problem.initial, cases.push, options=ALL)
+    assert result.final_state.object_poses[0, 2] < start[2] - 0.1
+    (fell,) = [v for v in result.violations if v.constraint == "bounds"]
+    assert fell.subject == "can"
+    assert fell.value > 0.05
+    assert not model_of(problem).rollout(problem.initial, cases.push).valid
 
 
 HASH = """

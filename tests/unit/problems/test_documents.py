@@ -11,7 +11,7 @@ import pytest
 from mamo_core.errors import InputError
 from mamo_core.problems import load_problem, problem_document, problem_from_document, problem_schema
 from mamo_core.types.geometry import pose_from_matrix, tool_matrix
-from mamo_core.types.problem import ConstraintSpec, Grasp, Problem
+from mamo_core.types.problem import ConstraintSpec, Grasp, Problem, Task
 from mamo_core.types.scene import SceneState
 
 Edit = Callable[..., dict[str, object]]
@@ -50,6 +50,24 @@ def test_round_trip_of_unusual_poses_grasps_and_constraints(shelf: Problem) -> N
         ("tilt", {"limit_deg": 30.0}),
         ("contact", {}),
     ]
+
+
+def test_round_trip_of_a_reach(shelf: Problem) -> None:
+    reach = replace(shelf, task=Task.REACH, grasps=shelf.grasps[3:4])
+    document = problem_document(reach)
+    assert document["task"] == "reach"
+    assert document["grasps"][0]["opening"] == shelf.grasps[3].opening
+    back = problem_from_document(document, "here")
+    assert back.task is Task.REACH
+    assert same_problem(reach, back)
+
+
+def test_the_task_is_to_retrieve_unless_said_otherwise(shelf: Problem, edited: Edit) -> None:
+    assert "task" not in problem_document(shelf)
+    assert problem_from_document(problem_document(shelf), "here").task is Task.RETRIEVE
+    assert problem_from_document(edited("task", value="retrieve"), "here").task is Task.RETRIEVE
+    with pytest.raises(InputError, match="task: 'grab', expected 'retrieve' or 'reach'"):
+        problem_from_document(edited("task", value="grab"), "here")
 
 
 def test_a_rounded_quaternion_is_made_unit(edited: Edit) -> None:

@@ -12,6 +12,7 @@ WORK = Work(
     solve="study_deeds:solve",
     classify="study_deeds:classify",
     generate="study_deeds:generate",
+    generate_workspace="study_deeds:generate_workspace",
 )
 
 if __name__ == "__main__":

@@ -77,6 +77,16 @@ def generate(level: str, movables: int, seed: int) -> dict[str, Any]:
     return {**problem_document(problem), "name": f"{level}_{movables}_{seed}"}
 
 
+def generate_workspace(workspace: str, movables: int, immovables: int, seed: int) -> dict[str, Any]:
+    from mamo_core import problems
+
+    note(f"generate {workspace} {movables} {immovables} {seed}")
+    problem = problems.generate_workspace(
+        workspace, movables=movables, immovables=immovables, seed=seed
+    )
+    return problems.problem_document(problem)
+
+
 def echo(value: Any = None) -> Any:
     return value
 

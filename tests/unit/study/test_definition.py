@@ -8,7 +8,13 @@ from mamo_core.errors import InputError
 from mamo_core.problems import generate_shelf, save_problems
 from mamo_core.study.definition import load_study
 from mamo_core.study.problems import pick, pick_source, wanted
-from mamo_core.study.schema import FileSource, Generation
+from mamo_core.study.schema import (
+    FileSource,
+    GeneratedSource,
+    Generation,
+    WorkspaceGeneration,
+    WorkspaceSource,
+)
 from mamo_core.study.tasks import make_tasks
 
 ROOT = Path(__file__).parents[3]
@@ -86,6 +92,7 @@ def test_settings_change_the_study(path):
         ("classes: [easy]", "classes: [esay]", "problems.1.classes.0: 'esay', expected"),
         ("every: 2", "every: 0", "problems.1.every: 0, expected"),
         ("levels: [easy, hard]", "levels: [none]", "generate.levels.0: 'none', expected"),
+        ("levels: [easy, hard],", "levels: [easy], leves: [],", "problems.2.generate.leves'"),
         ("  - m4m\n", "  - m4n\n", "study.yaml:8:5: unknown planner 'm4n'; did you mean 'm4m'?"),
         ("own.yaml, name: ours", "no.yaml, name: ours", "no.yaml: no such file"),
         ("name: ours", "name: m4m", ":10:5: recipes.2: 'm4m' is there twice, give one a name"),
@@ -97,6 +104,30 @@ def test_settings_change_the_study(path):
 def test_complaints(path, old, new, message):
     assert old in GOOD
     path.write_text(GOOD.replace(old, new))
+    with pytest.raises(InputError) as caught:
+        load_study(path)
+    assert message in str(caught.value)
+
+
+SHELVES = "{generate: {levels: [easy, hard], movables: [5, 10], count: 2, seed: 3}}"
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        ("{generate: {workspace: fridge}}", "workspace: 'fridge', expected 'tabletop' or 'refri"),
+        ("{generate: {workspace: tabletop, count: 0}}", "generate.count: 0, expected a number of"),
+        ("{generate: {workspace: tabletop, movables: -1}}", "generate.movables: -1, expected a nu"),
+        ("{generate: {workspace: tabletop, immovables: 0}}", "generate.immovables: 0, expected"),
+        ("{generate: {workspace: tabletop, movabels: 1}}", "'problems.2.generate.movabels'; did"),
+        ("{generate: {workspace: tabletop}, sets: x}", "'problems.2.sets'; did you mean 'set'?"),
+        ("{generate: {seed: 1}}", "problems.2.generate: missing key 'workspace'"),
+        ("7", "problems.2: 7, expected text or expected a mapping"),
+    ],
+)
+def test_complaints_about_generated_sources(path, source, message):
+    assert SHELVES in GOOD
+    path.write_text(GOOD.replace(SHELVES, source))
     with pytest.raises(InputError) as caught:
         load_study(path)
     assert message in str(caught.value)
@@ -149,13 +180,28 @@ def test_published_scenes_are_looked_for(tmp_path, monkeypatch):
 
 def test_what_is_generated():
     generation = Generation(levels=("easy", "hard"), movables=(5, 10), count=2, seed=3)
-    items = list(wanted(generation))
+    items = list(wanted(GeneratedSource(generate=generation)))
     assert [(i.set_name, i.subject) for i in items[:3]] == [
         ("shelf_5", "easy/5/3"),
         ("shelf_5", "easy/5/4"),
         ("shelf_5", "hard/5/3"),
     ]
     assert len(items) == 8
+    assert items[0].arguments == {"level": "easy", "movables": 5, "seed": 3}
+
+
+def test_reaches_that_are_generated():
+    generation = WorkspaceGeneration(workspace="tabletop", movables=8, count=2, seed=3)
+    items = list(wanted(WorkspaceSource(generate=generation)))
+    assert [(i.set_name, i.subject) for i in items] == [
+        ("tabletop", "tabletop/8/6/3"),
+        ("tabletop", "tabletop/8/6/4"),
+    ]
+    assert items[1].function == "generate_workspace"
+    expected = {"workspace": "tabletop", "movables": 8, "immovables": 6, "seed": 4}
+    assert items[1].arguments == expected
+    named = WorkspaceSource(generate=WorkspaceGeneration(workspace="refrigerator"), set="cold")
+    assert [(i.set_name, i.subject) for i in wanted(named)] == [("cold", "refrigerator/3/2/0")]
 
 
 def test_keys_tell_apart_what_rows_depend_on(path, letters):

@@ -128,6 +128,32 @@ def test_generated_problems(study, run, rows, did):
     assert len(did("generate")) == 4
 
 
+REACHES = "[{generate: {workspace: refrigerator, count: 2, seed: 4}}]"
+
+
+def test_generated_reaches(study, run, rows, did, monkeypatch):
+    """Searches that reach are not needed here: nothing is solved."""
+    monkeypatch.setattr(mamo_core.study.run, "choose", lambda *arguments: ())
+    path = study()
+    path.write_text(path.read_text().replace("[few.jsonl]", REACHES))
+    run(path)
+    assert [(row.set_name, row.problem_id) for row in rows()] == [
+        ("refrigerator", "refrigerator_3_2_seed4"),
+        ("refrigerator", "refrigerator_3_2_seed5"),
+    ]
+    run(path)
+    assert did("generate") == ["generate refrigerator 3 2 4", "generate refrigerator 3 2 5"]
+
+
+def test_a_recipe_for_another_task_is_refused_before_anything_is_solved(study, run, did):
+    path = study()
+    both = f"[few.jsonl, {REACHES[1:]}"
+    path.write_text(path.read_text().replace("[few.jsonl]", both))
+    with pytest.raises(InputError, match="'greedy' does not plan for the task 'reach' of problem"):
+        run(path)
+    assert did("solve") == []
+
+
 def test_two_names_of_the_same_recipe_share_a_row(study, run, rows, did):
     path = study()
     path.write_text(path.read_text().replace("[m4m]", "[m4m, {recipe: m4m, name: again}]"))

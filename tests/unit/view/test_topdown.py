@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mamo_core.problems import generate_shelf
+from mamo_core.problems import generate_shelf, generate_tabletop
 from mamo_core.testing.transition_cases import gantry_cases
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.problem import Problem
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Plan
-from mamo_core.view.topdown import draw
+from mamo_core.view.topdown import GOAL, WALL, _title, draw
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +71,16 @@ def test_without_a_plan_there_are_no_arrows(problem: Problem, tmp_path: Path) ->
     image = pixels(tmp_path / "p.png")
     assert not has_color(image, "#7a1f5c", 1)
     assert not has_color(image, "#b8b8b8", 2000)
+
+
+def test_reaches(tmp_path: Path) -> None:
+    reach = generate_tabletop(seed=0)
+    draw(reach, tmp_path / "p.png")
+    assert has_color(pixels(tmp_path / "p.png"), GOAL, 50), "the pre-grasp pose"
+    assert not has_color(pixels(tmp_path / "p.png"), WALL, 2000), "a table has no walls"
+    assert _title(reach, plan_for(reach, region=True)) == (
+        "tabletop_6_6_seed0: 2 rearrangements, then the reach"
+    )
 
 
 def test_the_same_input_gives_the_same_picture(problem: Problem, tmp_path: Path) -> None:

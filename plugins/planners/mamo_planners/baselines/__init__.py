@@ -1,1 +1,1 @@
-"""Sampling-based baselines of the thesis: KPIECE (K1, K2, K3) and RRT, with an engine in the loop."""
+"""Planners that the thesis compares itself with."""

@@ -1,51 +1,40 @@
-"""Options of the sampling-based baselines, apart from the code that uses them."""
+"""Options of the baselines, apart from the code that uses them."""
 
 from __future__ import annotations
-
-from typing import Literal
 
 from pydantic import Field
 
 from mamo_core.hookspecs import Options
-from mamo_planners.reaching.options import MotionOptions
+from mamo_planners.reaching.options import LatticeOptions
 
 
-class BaselineOptions(MotionOptions):
-    """Options of every baseline: how the arm is led, and for how long."""
+class SelectiveSimulationOptions(LatticeOptions):
+    """Options of ``selective_simulation`` (SelSim, SS; SS2 with ``beta``)."""
 
-    goal_bias: float = Field(
-        0.05, ge=0.0, le=1.0, description="share of actions that lead to a goal configuration"
+    expansions: int = Field(10_000_000, ge=1, description="states expanded by one planning phase")
+    snap_distance: float = Field(
+        0.1, gt=0.0, description="of the tool to the goal, where the straight motion is tried, m"
     )
-    stride: float = Field(
-        0.5, gt=0.0, description="longest stretch of a random action simulated at once, rad"
+    position_cell: float = Field(
+        0.01, gt=0.0, description="relevant objects this close are in the same place, m"
     )
-    strides: int = Field(6, ge=1, description="stretches of a random action, at most")
-    motions: int = Field(100_000, ge=1, description="motions simulated, at most")
-
-
-class _GoalsOptions(Options):
-    goals: int = Field(3, ge=1, description="goal configurations computed beforehand")
-
-
-class KpieceOptions(BaselineOptions, _GoalsOptions):
-    """Options of ``kpiece``."""
-
-    variant: Literal["k1", "k2"] = Field(
-        "k1",
-        description="k1: goal configurations are computed beforehand; k2: whenever one is needed",
+    yaw_cell_deg: float = Field(
+        5.0, gt=0.0, description="relevant objects turned by less stand the same way, degrees"
     )
-    cell: float = Field(0.1, gt=0.0, description="size of cells of tool positions, m")
-
-
-class RrtOptions(BaselineOptions, _GoalsOptions):
-    """Options of ``rrt``."""
-
-
-class K3Options(BaselineOptions):
-    """Options of ``k3``."""
-
-    cell: float = Field(0.05, gt=0.0, description="size of the finest cells, m")
-    levels: int = Field(2, ge=1, le=5, description="levels of cells, each four times as wide")
-    border: float = Field(
-        0.9, ge=0.0, le=1.0, description="how often a cell at the border is chosen, at least"
+    beta: float | None = Field(
+        None,
+        gt=0.0,
+        description="distance to a state whose simulated motion failed within which others are put "
+        "off, rad (SS2; null: never)",
     )
+
+
+class DogarOptions(Options):
+    """Options of ``dogar``."""
+
+    goal_spread: float = Field(
+        0.05, ge=0.0, description="standard deviation of goals around the closest free cell, m"
+    )
+    goals: int = Field(10, ge=1, description="goals drawn for an object before it is given up")
+    attempts: int = Field(1000, ge=1, description="recursions begun anew, with another retrieval")
+    cell: float = Field(0.01, gt=0.0, description="grid on which the closest free cell is, m")

@@ -16,7 +16,7 @@ from mamo_planners.reaching.goals import Goal, Goals
 Rounding = Callable[[Array], Array]
 """Moves a configuration (dof,) to the nearest that the search can get to."""
 
-_TRIES = 60
+_TRIES = 240
 _LARGEST_TURN = 0.6
 
 

@@ -15,7 +15,7 @@ from mamo_core.types.scene import Mobility, SceneState
 from mamo_planners.grasp_candidates import Candidate, GraspCandidates
 from mamo_planners.options import RetrievalOptions
 
-_BRANCHES = 8
+_BRANCHES, _THOROUGH = 8, 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,9 @@ class Goals:
             found = GraspCandidates(problem, arm, kinematics, collision, RetrievalOptions()).found
             self._fixed = self._of_retrievals(found)
         else:
-            self._fixed = self._of_reaches(rng)
+            # Tight places leave few arm configurations: look harder before saying there are none.
+            tries = (_BRANCHES, _THOROUGH * _BRANCHES)
+            self._fixed = next(filter(None, (self._of_reaches(n, rng) for n in tries)), [])
         tools = [kinematics.forward(goal.configuration) for goal in self._fixed]
         self.tools = np.array(tools).reshape(-1, 4, 4)
 
@@ -94,12 +96,12 @@ class Goals:
         same = [c for c in candidates if c.grasp.opening == self.opening]
         return [Goal(c.reach[0], c) for c in same]
 
-    def _of_reaches(self, rng: np.random.Generator) -> list[Goal]:
+    def _of_reaches(self, branches: int, rng: np.random.Generator) -> list[Goal]:
         goals: list[Goal] = []
         for grasp, T in zip(self._problem.grasps, self._problem.pregrasps, strict=True):
             if goals and grasp.opening != self.opening:
                 continue
-            found = self._kinematics.inverse(T, rng, count=_BRANCHES)
+            found = self._kinematics.inverse(T, rng, count=branches)
             self.opening = grasp.opening if not goals else self.opening
             free = found[self.without_movables().free(found)] if len(found) else found
             goals += [Goal(q) for q in free]

@@ -32,7 +32,11 @@ class LatticeOptions(MotionOptions):
     w2: float = Field(
         2.0, ge=1.0, description="how much worse than the anchor's a queue's best state may be"
     )
-    expansions: int = Field(100_000, ge=1, description="states expanded by one search")
+    expansions: int = Field(
+        200,
+        ge=1,
+        description="states expanded in the first round; later rounds follow Luby's sequence",
+    )
 
 
 class SpampOptions(LatticeOptions):
@@ -68,5 +72,5 @@ class SpampOptions(LatticeOptions):
         description="try the straight motion to a valid subgoal from every state (thesis: false)",
     )
     rounds: int = Field(
-        20, ge=1, description="searches, each with subgoals of its own (the thesis: 1)"
+        1000, ge=1, description="searches, each with subgoals of its own (the thesis: 1)"
     )

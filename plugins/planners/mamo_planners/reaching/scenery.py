@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,12 @@ from mamo_planners.reaching.options import LatticeOptions
 if TYPE_CHECKING:
     from mamo_planners.reaching.stand import ReachingParts
 
+_TOOL_STEP = 0.05
+"""What a primitive moves the tool by, about, m."""
+
+_NO_WAY = 10.0
+"""Where the tool has no way around obstacles it is said to have this far to go, m."""
+
 _MARGIN = 0.3
 """How far the heuristic's box reaches beyond the workspace and the tool at home, m."""
 
@@ -29,6 +36,11 @@ class Scenery:
     fixed: CollisionWorld
     everything: CollisionWorld
     field: DistanceField
+
+    def primitives_to_go(self, point: Array) -> float:
+        """The anchor heuristic where the tool is at ``point`` (3,): primitives to a goal."""
+        way = self.field.distance(point)
+        return (way if math.isfinite(way) else _NO_WAY) / _TOOL_STEP
 
 
 def look_at(parts: ReachingParts, goals: Goals, options: LatticeOptions) -> Scenery:

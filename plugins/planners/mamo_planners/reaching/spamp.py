@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import heapq
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +12,7 @@ from mamo_core.types.geometry import Array
 from mamo_core.types.motion import MotionSegment
 from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus, Statistics
 from mamo_planners.reaching.amp import Primitive, Primitives
+from mamo_planners.reaching.explored import Explored
 from mamo_planners.reaching.goals import Goals
 from mamo_planners.reaching.lattice import Cell, Lattice
 from mamo_planners.reaching.motions import Motions
@@ -22,12 +22,6 @@ from mamo_planners.reaching.scenery import Scenery, look_at
 from mamo_planners.reaching.shortcuts import straightened
 from mamo_planners.reaching.stand import Executions, ReachingParts
 from mamo_planners.reaching.work import Work
-
-_TOOL_STEP = 0.05
-"""What a primitive moves the tool by, about, m: the anchor counts primitives, as the others do."""
-
-_NO_WAY = 10.0
-"""Where the tool has no way around obstacles it is said to have this far to go, m."""
 
 _INFLATION = 10.0
 
@@ -53,7 +47,7 @@ class Spamp(SearchStrategy):
         for number in range(self._options.rounds):
             progress(f"round {number + 1}")
             statistics.counts["rounds"] += 1
-            plan = run.round()
+            plan = run.round(number + 1)
             if plan is not None:
                 return Solution(SolutionStatus.SOLVED, plan, statistics)
             if budget.exhausted:
@@ -102,13 +96,13 @@ class _Run:
         self.work = Work()
         self.failed: list[Array] = []
 
-    def round(self) -> Plan | None:
+    def round(self, number: int) -> Plan | None:
         """Algorithm 2: subgoals, then the search they guide."""
         began = self.work.seconds
         subgoals = self._subgoals()
         any_valid = any(subgoal.valid for subgoal in subgoals)
         simulate_from = began + self.options.t_sim if any_valid else began
-        return _Search(self, subgoals, simulate_from).solve()
+        return _Search(self, subgoals, simulate_from).solve(luby(number) * self.options.expansions)
 
     def valid(self, primitive: Primitive) -> bool:
         """Phase 2: simulate what may touch movables; what fails is remembered."""
@@ -176,6 +170,17 @@ class _Run:
         return self.lattice.configuration(self.lattice.nearest(q))
 
 
+def luby(number: int) -> int:
+    """The n-th term (from 1) of 1, 1, 2, 1, 1, 2, 4, …: how long to try before starting anew.
+
+    No other sequence is much better where the time to success is unknown (Luby et al., 1993).
+    """
+    power = number.bit_length()
+    if number == (1 << power) - 1:
+        return 1 << (power - 1)
+    return luby(number - (1 << (power - 1)) + 1)
+
+
 class _Search:
     """Algorithm 3 under some subgoals."""
 
@@ -183,19 +188,15 @@ class _Search:
         self._run, self._subgoals, self._simulate_from = run, subgoals, simulate_from
         options = run.options
         self._queues = Queues(1 + len(subgoals), options.w1, options.w2)
-        self._numbers: dict[Cell, int] = {}
-        self._cells: list[Cell] = []
-        self._configurations: list[Array] = []
-        self._parents: list[int] = []
-        self._costs: list[float] = []
+        self._explored: Explored[Cell] = Explored()
         self._put_off: set[int] = set()
         self._waiting: list[tuple[float, int, Primitive]] = []
 
-    def solve(self) -> Plan | None:
-        """A verified plan; None when all is expanded or the limits are reached."""
+    def solve(self, expansions: int) -> Plan | None:
+        """A verified plan; None when all is expanded or a limit is reached."""
         run = self._run
         self._insert([run.lattice.start], np.array([run.start]), -1)
-        for _ in range(run.options.expansions):
+        for _ in range(expansions):
             if run.budget.exhausted:
                 return None
             plan = self._simulate_waiting()
@@ -223,34 +224,34 @@ class _Search:
             if plan is not None:
                 return plan
             self._successors(state)
-        q = self._configurations[state]
+        q = self._explored.configurations[state]
         if not run.primitives.begins_at(q):
             return None
         if state not in self._put_off and run.is_duplicate(q):
             run.statistics.counts["soft_duplicates"] += 1
             self._put_off.add(state)
             inflated = _INFLATION * self._heuristics(q)[queue]
-            self._queues.push_into(queue, state, self._costs[state], inflated)
+            self._queues.push_into(queue, state, self._explored.costs[state], inflated)
             return None
         primitive = run.primitives.to_goal(q, run.rng)
         if primitive is None:
             return None
         if not primitive.interacts:
-            return run.planned(self._way(state), primitive)
-        key = self._costs[state] + run.options.w1 * self._heuristics(q)[0]
+            return run.planned(self._explored.way(state), primitive)
+        key = self._explored.costs[state] + run.options.w1 * self._heuristics(q)[0]
         heapq.heappush(self._waiting, (key, state, primitive))
         return self._simulate_waiting()
 
     def _to_subgoal(self, state: int) -> Plan | None:
         """Line 8 of Algorithm 3, or the straight motion to a valid subgoal."""
-        run, q = self._run, self._configurations[state]
+        run, q = self._run, self._explored.configurations[state]
         for subgoal in [s for s in self._subgoals if s.valid]:
-            there = self._cells[state] == subgoal.cell
+            there = self._explored.keys[state] == subgoal.cell
             start = subgoal.primitive.start
             if not there and run.options.snap:
                 there = bool(run.scenery.everything.edges_free(q[None, :], start[None, :])[0])
             if there:
-                plan = run.planned(self._way(state), subgoal.primitive)
+                plan = run.planned(self._explored.way(state), subgoal.primitive)
                 if plan is not None:
                     return plan
                 self._subgoals.remove(subgoal)
@@ -262,42 +263,29 @@ class _Search:
         if not self._waiting or run.work.seconds < self._simulate_from:
             return None
         _, state, primitive = heapq.heappop(self._waiting)
-        return run.planned(self._way(state), primitive) if run.valid(primitive) else None
+        return run.planned(self._explored.way(state), primitive) if run.valid(primitive) else None
 
     def _successors(self, state: int) -> None:
         run = self._run
-        cells = [c for c in run.lattice.successors(self._cells[state]) if c not in self._numbers]
+        cells = [
+            c for c in run.lattice.successors(self._explored.keys[state]) if c not in self._explored
+        ]
         if not cells:
             return
         ends = np.array([run.lattice.configuration(cell) for cell in cells])
-        starts = np.repeat(self._configurations[state][None, :], len(cells), axis=0)
+        starts = np.repeat(self._explored.configurations[state][None, :], len(cells), axis=0)
         free = run.scenery.everything.edges_free(starts, ends)
         self._insert([c for c, ok in zip(cells, free, strict=True) if ok], ends[free], state)
 
     def _insert(self, cells: list[Cell], configurations: Array, parent: int) -> None:
-        cost = self._costs[parent] + 1.0 if parent >= 0 else 0.0
         for cell, q in zip(cells, configurations, strict=True):
-            number = len(self._cells)
-            self._numbers[cell] = number
-            self._cells.append(cell)
-            self._configurations.append(q)
-            self._parents.append(parent)
-            self._costs.append(cost)
-            self._queues.push(number, cost, self._heuristics(q))
+            number = self._explored.add(cell, q, parent)
+            self._queues.push(number, self._explored.costs[number], self._heuristics(q))
 
     def _heuristics(self, q: Array) -> list[float]:
         """Primitives still to go: around obstacles for the tool, and straight to each subgoal."""
         run = self._run
-        way = run.scenery.field.distance(run.kinematics.forward(q)[:3, 3])
-        anchor = (way if math.isfinite(way) else _NO_WAY) / _TOOL_STEP
+        anchor = run.scenery.primitives_to_go(run.kinematics.forward(q)[:3, 3])
         step = float(run.lattice.steps.max())
         away = [float(np.linalg.norm(q - s.primitive.start)) / step for s in self._subgoals]
         return [anchor, *away]
-
-    def _way(self, state: int) -> Array:
-        """Configurations (k, dof) from the start."""
-        rows = []
-        while state >= 0:
-            rows.append(self._configurations[state])
-            state = self._parents[state]
-        return np.array(rows[::-1])

@@ -70,6 +70,8 @@ class Executions:
         self._budget = budget
         self._rollouts = Rollouts(statistics, budget)
         self._closed = parts.arm.gripper.closed
+        self.last: RolloutResult | None = None
+        """What was simulated last."""
 
     def start(self, opened: MotionSegment) -> Stand | None:
         """At home, after the hand has opened; None where even that breaks a constraint."""
@@ -120,6 +122,7 @@ class Executions:
     def _executed(self, line: Line, motion: Motion) -> RolloutResult:
         """What happens; why it is not valid is counted."""
         result = self._rollouts.one(line, motion, KEEP)
+        self.last = result
         self._statistics.counts["steps"] += result.steps
         for violation in result.violations:
             self._statistics.failed(violation.subject, "reach", violation.constraint)

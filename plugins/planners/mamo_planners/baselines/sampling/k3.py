@@ -6,9 +6,9 @@ import numpy as np
 
 from mamo_core.types.geometry import Array
 from mamo_core.types.solution import Plan
-from mamo_planners.baselines.cells import Cells
-from mamo_planners.baselines.growth import Growth, Node, strided
-from mamo_planners.baselines.options import K3Options
+from mamo_planners.baselines.sampling.cells import Cells
+from mamo_planners.baselines.sampling.growth import Growth, Node, strided
+from mamo_planners.baselines.sampling.options import K3Options
 from mamo_planners.reaching.goals import Goal
 
 
@@ -18,8 +18,10 @@ def k3(growth: Growth, root: Node, options: K3Options) -> Plan | None:
     tree.add(root)
     while not growth.over:
         growth.statistics.counts["actions"] += 1
-        biased = growth.rng.random() < options.goal_bias
-        plan = tree.grow_to_goal() if biased else tree.grow()
+        if growth.rng.random() >= options.goal_bias:
+            tree.grow()
+            continue
+        plan = tree.grow_to_goal()
         if plan is not None:
             return plan
     return None

@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mamo_core.types.geometry import Array
-from mamo_planners.baselines.growth import Node
+from mamo_planners.baselines.sampling.growth import Node
 
 WIDER = 4
 """How much wider a cell is than those of the level below."""
 
 GOOD, BAD = 0.9, 0.45
-"""What a cell's score is multiplied by after an action that led somewhere new, or did not: OMPL's."""
+"""What OMPL multiplies a cell's score by after an action that led somewhere new, or did not."""
 
 Coordinate = tuple[int, ...]
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from mamo_core.interfaces.search_strategy import ProgressCallback, SearchStrategy
 from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus, Statistics
-from mamo_planners.baselines.growth import Growth, Node
-from mamo_planners.baselines.options import BaselineOptions
+from mamo_planners.baselines.sampling.growth import Growth, Node
+from mamo_planners.baselines.sampling.options import SamplingOptions
 from mamo_planners.reaching.goals import Goals
 from mamo_planners.reaching.stand import ReachingParts
 
@@ -17,10 +17,10 @@ Grow = Callable[[Growth, Node], "Plan | None"]
 """Grows a tree from its root until a plan is verified or the growth is over."""
 
 
-class Baseline(SearchStrategy):
-    """A sampling-based planner over the states of arm and objects; probabilistic, proves nothing."""
+class SamplingSearch(SearchStrategy):
+    """A sampling-based planner over the states of arm and objects; it proves nothing."""
 
-    def __init__(self, parts: ReachingParts, options: BaselineOptions, grow: Grow) -> None:
+    def __init__(self, parts: ReachingParts, options: SamplingOptions, grow: Grow) -> None:
         self._parts, self._options, self._grow = parts, options, grow
 
     def solve(

@@ -10,7 +10,7 @@ from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Budget, Plan, Statistics
-from mamo_planners.baselines.options import BaselineOptions
+from mamo_planners.baselines.sampling.options import SamplingOptions
 from mamo_planners.reaching.goals import Goal, Goals
 from mamo_planners.reaching.motions import Motions
 from mamo_planners.reaching.shortcuts import straightened
@@ -46,7 +46,7 @@ class Growth:
     def __init__(
         self,
         parts: ReachingParts,
-        options: BaselineOptions,
+        options: SamplingOptions,
         goals: Goals,
         statistics: Statistics,
         budget: Budget,

@@ -9,7 +9,7 @@ import numpy as np
 
 from mamo_core.types.geometry import Array
 from mamo_core.types.solution import Plan
-from mamo_planners.baselines.growth import Growth, Node, strided
+from mamo_planners.baselines.sampling.growth import Growth, Node, strided
 from mamo_planners.reaching.goals import Goal, Goals
 
 INVALID = -1

@@ -13,7 +13,7 @@ from ompl import base, control, util
 
 from mamo_core.types.geometry import Array
 from mamo_core.types.solution import Plan
-from mamo_planners.baselines.actions import INVALID, Actions
+from mamo_planners.baselines.sampling.actions import INVALID, Actions
 
 _JOINTS, _TOOL, _NUMBER = 0, 1, 2
 _SEEDS = 2**31
@@ -98,7 +98,7 @@ def _states(low: Array, high: Array, cell: float) -> Any:
 
 
 def _controls(space: Any, low: Array, high: Array) -> Any:
-    """Control samplers cannot be written in Python: one dimension more says when to go to a goal."""
+    """One dimension more says when to go to a goal: samplers cannot be written in Python."""
     made = control.RealVectorControlSpace(space, low.size + 1)
     return _box(made, np.append(low, 0.0), np.append(high, 1.0))
 
