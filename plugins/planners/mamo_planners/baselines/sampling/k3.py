@@ -13,11 +13,12 @@ from mamo_planners.reaching.goals import Goal
 
 
 def k3(growth: Growth, root: Node, options: K3Options) -> Plan | None:
-    """A verified plan, or None once the growth is over."""
+    """A verified plan, or None once the growth is over or the actions are used up."""
     tree = _Tree(growth, options)
     tree.add(root)
-    while not growth.over:
-        growth.statistics.counts["actions"] += 1
+    counts = growth.statistics.counts
+    while not growth.over and counts["actions"] < options.actions:
+        counts["actions"] += 1
         if growth.rng.random() >= options.goal_bias:
             tree.grow()
             continue

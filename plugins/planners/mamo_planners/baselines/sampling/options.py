@@ -46,6 +46,9 @@ class K3Options(SamplingOptions):
 
     cell: float = Field(0.05, gt=0.0, description="size of the finest cells, m")
     levels: int = Field(2, ge=1, le=5, description="levels of cells, each four times as wide")
+    actions: int = Field(
+        1_000_000, ge=1, description="actions tried, at most: most are never simulated"
+    )
     border: float = Field(
         0.9, ge=0.0, le=1.0, description="how often a cell at the border is chosen, at least"
     )

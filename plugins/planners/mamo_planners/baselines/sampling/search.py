@@ -41,7 +41,7 @@ class SamplingSearch(SearchStrategy):
             return Solution(SolutionStatus.SOLVED, plan, statistics)
         if budget.exhausted:
             return _without(statistics, "no plan within the budget")
-        return _without(statistics, "no plan within the limit on motions")
+        return _without(statistics, "no plan within the limits on work")
 
 
 def _without(statistics: Statistics, reason: str) -> Solution:
