@@ -62,4 +62,6 @@ class Work:
     def finish(self) -> None:
         """Raise what went wrong, if anything did."""
         if self._error is not None:
-            raise self._error
+            # Its traceback holds what OMPL holds, and OMPL holds this: let go, or nothing is freed.
+            error, self._error = self._error, None
+            raise error

@@ -1,5 +1,8 @@
 """OMPL's planners keep the contract of arm planners: free paths, an honest status, repeatable."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 from mamo_ompl.kinds import KINDS
@@ -162,3 +165,20 @@ def test_errors_of_the_checker_arrive(planner, name, method, across, wall):
     except ZeroDivisionError as error:
         caught = error
     assert len(asked) == 6 if caught else len(asked) <= 5, "the error got lost"
+
+
+@pytest.mark.parametrize("broken", [False, True])
+def test_nothing_outlives_a_query(planner, across, wall, broken):
+    """Cycles through OMPL's objects are invisible to Python's garbage collection."""
+    world = wall()
+    seen = weakref.ref(world)
+    start, goal = across
+    if broken:
+        world.edges_free = lambda starts, ends: 1 / 0
+        with pytest.raises(ZeroDivisionError):
+            planner().plan(start, goal[None], world, rng())
+    else:
+        planner().plan(start, goal[None], world, rng())
+    del world
+    gc.collect()
+    assert seen() is None

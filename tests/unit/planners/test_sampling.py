@@ -1,5 +1,7 @@
 """KPIECE and RRT with a fake engine: valid plans, repeatable, limited by counted motions."""
 
+import gc
+import weakref
 from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
@@ -191,6 +193,10 @@ def test_errors_of_the_engine_arrive(parts, name):
     with pytest.raises(ZeroDivisionError, match="the engine broke"):
         solve(made, name)
     assert made.backend.rollouts == 3
+    seen = weakref.ref(made.backend)
+    del made
+    gc.collect()
+    assert seen() is None, "cycles through OMPL's objects are never collected"
 
 
 @pytest.mark.parametrize("name", NAMES)

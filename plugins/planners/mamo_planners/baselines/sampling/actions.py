@@ -55,7 +55,9 @@ class Actions:
     def finish(self) -> Plan | None:
         """The plan if there is one; raises what went wrong."""
         if self.error is not None:
-            raise self.error
+            # Its traceback holds what OMPL holds, and OMPL holds this: let go, or nothing is freed.
+            error, self.error = self.error, None
+            raise error
         return self.plan
 
     def _towards(self, number: int, target: Array) -> int:
