@@ -64,4 +64,7 @@ class Work:
         if self._error is not None:
             # Its traceback holds what OMPL holds, and OMPL holds this: let go, or nothing is freed.
             error, self._error = self._error, None
-            raise error
+            try:
+                raise error
+            finally:
+                del error

@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mamo_core.hookspecs import Component, NoOptions, hookimpl
-from mamo_planners.baselines.options import SelectiveSimulationOptions
+from mamo_planners.baselines.options import DogarOptions, SelectiveSimulationOptions
 from mamo_planners.baselines.sampling.components import components as sampling_components
 from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
 from mamo_planners.options import PickPlaceOptions, PushOptions, RetrievalOptions
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 _REACHES = frozenset({"reach", "retrieve"})
 _CONTINUED = {"backend": frozenset({"exact_continuation"})}
+_MAPF = {**_CONTINUED, "mapf": frozenset[str]()}
 
 
 def _arm_parts(context: BuildContext) -> tuple[Any, Any, Any, Any, Any]:
@@ -107,7 +108,7 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
     return SearchParts(
         context.problem,
         context.part("retrieval"),
-        context.part("mapf"),
+        context.mapf,
         context.actions,
         execution,
         context.part("verifier"),
@@ -147,6 +148,12 @@ def _spamp(context: BuildContext, options: SpampOptions) -> Any:
     from mamo_planners.reaching.spamp import Spamp
 
     return Spamp(_reaching_parts(context), options)
+
+
+def _dogar(context: BuildContext, options: DogarOptions) -> Any:
+    from mamo_planners.baselines.dogar import Dogar
+
+    return Dogar(_search_parts(context), context.part("collision"), options)
 
 
 def _selective_simulation(context: BuildContext, options: SelectiveSimulationOptions) -> Any:
@@ -211,21 +218,28 @@ def mamo_searches() -> Iterable[Component]:
             _greedy,
             GreedyOptions,
             "M4M: commit to every valid push (thesis, Algorithm 4)",
-            requires=_CONTINUED,
+            requires=_MAPF,
         ),
         Component(
             "best_first",
             _best_first,
             BestFirstOptions,
             "E-M4M: the most promising rearrangement first (thesis, Algorithm 5)",
-            requires=_CONTINUED,
+            requires=_MAPF,
         ),
         Component(
             "depth_first",
             _depth_first,
             DepthFirstOptions,
             "I-M4M: the rearrangement with the most actions first, lazily if wanted (thesis 6.3)",
-            requires=_CONTINUED,
+            requires=_MAPF,
+        ),
+        Component(
+            "dogar",
+            _dogar,
+            DogarOptions,
+            "backwards from the retrieval (Dogar and Srinivasa, 2012)",
+            requires={**_CONTINUED, "action": frozenset[str]()},
         ),
         Component(
             "spamp",

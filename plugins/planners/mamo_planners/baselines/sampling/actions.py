@@ -57,7 +57,10 @@ class Actions:
         if self.error is not None:
             # Its traceback holds what OMPL holds, and OMPL holds this: let go, or nothing is freed.
             error, self.error = self.error, None
-            raise error
+            try:
+                raise error
+            finally:
+                del error
         return self.plan
 
     def _towards(self, number: int, target: Array) -> int:
