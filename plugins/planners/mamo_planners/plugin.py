@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from mamo_core.hookspecs import Component, NoOptions, hookimpl
 from mamo_planners.baselines.options import DogarOptions, SelectiveSimulationOptions
+from mamo_planners.baselines.sampling.components import components as sampling_components
 from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
 from mamo_planners.options import PickPlaceOptions, PushOptions, RetrievalOptions
 from mamo_planners.reaching.options import ArmLatticeOptions, SpampOptions
@@ -280,6 +281,7 @@ def mamo_searches() -> Iterable[Component]:
             requires=_CONTINUED,
             tasks=_REACHES,
         ),
+        *sampling_components(_reaching_parts, _REACHES),
     ]
 
 
