@@ -22,19 +22,19 @@ _LARGEST_TURN = 0.6
 
 @dataclass(frozen=True, eq=False)
 class Primitive:
-    """A Phase 1 valid motion from ``start`` (dof,) to a goal.
+    """A Phase 1 valid motion along ``path`` (k, dof) to a goal.
 
     ``interacts``: the arm may meet movables on it, so that only an engine can tell what happens.
     """
 
-    start: Array
+    path: Array
     goal: Goal
     interacts: bool
 
     @property
-    def path(self) -> Array:
-        """Both ends (2, dof)."""
-        return np.stack([self.start, self.goal.configuration])
+    def start(self) -> Array:
+        """Where it begins (dof,)."""
+        return self.path[0]
 
 
 class Primitives:
@@ -54,33 +54,53 @@ class Primitives:
     ) -> None:
         self._kinematics, self._goals = kinematics, goals
         self._fixed, self._everything = fixed, everything
-        self._field, self._delta = field, delta
+        self._field, self.delta = field, delta
+        """``delta``: how close to a goal primitives begin, m."""
 
     def begins_at(self, q: Array) -> bool:
         """Whether the tool is close enough to a goal, around what is fixed."""
-        return self._field.distance(self._kinematics.forward(q)[:3, 3]) <= self._delta
+        return self._field.distance(self._kinematics.forward(q)[:3, 3]) <= self.delta
 
     def to_goal(self, q: Array, rng: np.random.Generator) -> Primitive | None:
         """The primitive from ``q`` (dof,), if it is Phase 1 valid (Definition 1)."""
         goal = self._goals.near(q, rng)
-        ends = goal.configuration[None, :]
-        if not self._fixed.edges_free(q[None, :], ends)[0]:
-            return None
-        return Primitive(q, goal, not self._everything.edges_free(q[None, :], ends)[0])
+        return self._valid(np.stack([q, goal.configuration]), goal)
 
-    def drawn(self, rng: np.random.Generator, rounded: Rounding) -> Iterator[Primitive]:
-        """Random primitives whose start touches nothing, for as long as tries yield some."""
+    def drawn(
+        self, rng: np.random.Generator, rounded: Rounding, via: float = 0.0
+    ) -> Iterator[Primitive]:
+        """Random primitives whose start touches nothing, for as long as tries yield some.
+
+        ``via``: share of those that bend.
+        """
         for _ in range(_TRIES):
-            tool = self._goals.tools[int(rng.integers(len(self._goals.tools)))]
-            found = self._kinematics.inverse(_nearby(tool, self._delta, rng), rng, count=1)
-            for q in map(rounded, found):
+            for q in map(rounded, self._nearby(rng)):
                 if self.begins_at(q) and self._everything.free(q)[0]:
-                    primitive = self.to_goal(q, rng)
+                    bent = rng.random() < via
+                    primitive = self._bent(q, rng) if bent else self.to_goal(q, rng)
                     if primitive is not None:
                         yield primitive
 
+    def _bent(self, q: Array, rng: np.random.Generator) -> Primitive | None:
+        """A primitive from ``q`` by a configuration that may be among movables."""
+        for middle in self._nearby(rng, q):
+            goal = self._goals.near(middle, rng)
+            return self._valid(np.stack([q, middle, goal.configuration]), goal)
+        return None
 
-def _nearby(T: Array, delta: float, rng: np.random.Generator) -> Array:
+    def _nearby(self, rng: np.random.Generator, near: Array | None = None) -> Array:
+        """A random configuration (k <= 1, dof) with the tool around a goal."""
+        tool = self._goals.tools[int(rng.integers(len(self._goals.tools)))]
+        T = _moved(tool, self.delta, rng)
+        return self._kinematics.inverse(T, rng, count=1, near=near)
+
+    def _valid(self, path: Array, goal: Goal) -> Primitive | None:
+        if not self._fixed.edges_free(path[:-1], path[1:]).all():
+            return None
+        return Primitive(path, goal, not self._everything.edges_free(path[:-1], path[1:]).all())
+
+
+def _moved(T: Array, delta: float, rng: np.random.Generator) -> Array:
     """A tool pose in the ball around ``T`` (4, 4), turned a little."""
     way = rng.normal(size=3)
     turn = rng.normal(size=3)

@@ -78,6 +78,22 @@ class SpampOptions(LatticeOptions):
         description="distance to a primitive that failed within which another one is put off, rad "
         "(3.3.6; null: never)",
     )
+    growth: float = Field(
+        0.1, ge=0.0, description="share of delta that each round adds to it (the thesis: 0)"
+    )
+    via: float = Field(
+        0.5,
+        ge=0.0,
+        le=1.0,
+        description="share of the primitives drawn from the second round on that bend at a "
+        "configuration where they may push already (the thesis: 0)",
+    )
+    widest: float = Field(0.5, gt=0.0, description="delta does not grow beyond this, m")
+    connect: bool = Field(
+        True,
+        description="ask the arm planner for the way to valid subgoals before the search (thesis: "
+        "false)",
+    )
     snap: bool = Field(
         True,
         description="try the straight motion to a valid subgoal from every state (thesis: false)",

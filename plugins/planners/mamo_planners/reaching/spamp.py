@@ -79,6 +79,7 @@ class _Run:
     ) -> None:
         self.options, self.scenery, self.statistics = options, scenery, statistics
         self.kinematics, self.budget, self.rng = parts.kinematics, budget, rng
+        self.arm_planner = parts.arm_planner
         self.start = parts.problem.initial.joint_positions
         self.lattice = Lattice(
             parts.arm, self.start, options.large_step_deg, options.small_step_deg
@@ -99,7 +100,13 @@ class _Run:
     def round(self, number: int) -> Plan | None:
         """Algorithm 2: subgoals, then the search they guide."""
         began = self.work.seconds
-        subgoals = self._subgoals()
+        options = self.options
+        wider = options.delta * (1.0 + options.growth * (number - 1))
+        self.primitives.delta = min(wider, max(options.widest, options.delta))
+        subgoals = self._subgoals(options.via if number > 1 else 0.0)
+        plan = self._connected(subgoals) if options.connect else None
+        if plan is not None:
+            return plan
         any_valid = any(subgoal.valid for subgoal in subgoals)
         simulate_from = began + self.options.t_sim if any_valid else began
         return _Search(self, subgoals, simulate_from).solve(luby(number) * self.options.expansions)
@@ -153,13 +160,29 @@ class _Run:
             self.failed.append(primitive.start)
         return plan
 
-    def _subgoals(self) -> list[_Subgoal]:
+    def _connected(self, subgoals: list[_Subgoal]) -> Plan | None:
+        """The way to a valid subgoal that the arm planner finds; one that does not do is left."""
+        left = [subgoal for subgoal in subgoals if subgoal.valid]
+        while left:
+            goals = np.array([subgoal.primitive.start for subgoal in left])
+            with self.statistics.timed("arm_planning"):
+                found = self.arm_planner.plan(self.start, goals, self.scenery.everything, self.rng)
+            if found.path is None:
+                return None
+            subgoal = left.pop(found.goal)
+            plan = self.planned(found.path, subgoal.primitive)
+            if plan is not None:
+                return plan
+            subgoals.remove(subgoal)
+        return None
+
+    def _subgoals(self, via: float) -> list[_Subgoal]:
         """N of M primitives, valid ones first (GetValidSubgoals of Algorithm 2)."""
         options = self.options
         if not options.subgoals:
             return []
         drawn: list[_Subgoal] = []
-        for primitive in self.primitives.drawn(self.rng, self._rounded):
+        for primitive in self.primitives.drawn(self.rng, self._rounded, via):
             cell = self.lattice.nearest(primitive.start)
             valid = not primitive.interacts or (options.simulate_samples and self.valid(primitive))
             drawn.append(_Subgoal(cell, primitive, valid))
