@@ -53,8 +53,9 @@ class BuildContext:
     Built in this order: constraints, backend, accept_in, kinematics, collision, arm_planner,
     retrieval, mapf, actions, search. A part that is not built yet, or not in the recipe, is None.
     ``accept_in``: other engines, by name, in which actions and plans must be valid, too.
-    ``verifier`` replays a plan with all of them; it is there as soon as they are. ``engine_for``
-    builds the backend for another problem, such as this one without some of its objects.
+    ``verifier`` replays a plan with all of them; it is there as soon as they are. ``engine_for``,
+    for the search alone, builds the backend for another problem, such as this one without some of
+    its objects.
     """
 
     problem: Problem
@@ -196,7 +197,7 @@ def build_parts(
     """Build everything but the search, in the order of ``choices``."""
     arm = robot if robot is not None else _load_robot(problem)
     _check_joints(problem, arm)
-    context = BuildContext(problem=problem, robot=arm, engine_for=_engines(choices, arm))
+    context = BuildContext(problem=problem, robot=arm)
     for role, attribute in ((r, _SEVERAL.get(r, r)) for r in BUILD_ORDER if r != "search"):
         chosen = [choice for choice in choices if choice.role == role]
         built = tuple((choice.component.name, _build(choice, context)) for choice in chosen)
@@ -210,7 +211,8 @@ def build_parts(
             context = replace(context, **{attribute: built[0][1]})
         if role == "accept_in" and context.backend is not None:
             context = replace(context, verifier=make_verifier(context))
-    return context
+    # Not before: engines send their context to processes, where functions cannot go.
+    return replace(context, engine_for=_engines(choices, arm))
 
 
 def _engines(choices: Sequence[Choice], arm: ArmModel) -> Callable[[Problem], TransitionModel]:

@@ -85,12 +85,22 @@ def report(
             help="Compare with this recipe, not the study's baseline; may be repeated.",
         ),
     ] = None,
+    split_by: Annotated[
+        str | None,
+        typer.Option(
+            metavar="RECIPE", help="Instead of the classes: did this recipe take --seconds or more?"
+        ),
+    ] = None,
+    seconds: Annotated[
+        float, typer.Option(metavar="S", min=0.0, help="CPU time for --split-by.")
+    ] = 1.0,
     json: Json = False,
 ) -> None:
     """Tables of a study: success, seconds, comparisons, causes."""
     from mamo_core.cli.studying import run_report
 
-    run_report(store, output, tuple(against or ()), as_json=json)
+    split = (split_by, seconds) if split_by is not None else None
+    run_report(store, output, tuple(against or ()), split, as_json=json)
 
 
 @app.command()

@@ -43,15 +43,23 @@ def _print_status(command: str, status: dict[str, Any], *, as_json: bool) -> Non
     )
 
 
-def run_report(path: Path, output: Path | None, against: tuple[str, ...], *, as_json: bool) -> None:
+def run_report(
+    path: Path,
+    output: Path | None,
+    against: tuple[str, ...],
+    split: tuple[str, float] | None,
+    *,
+    as_json: bool,
+) -> None:
     """Print the report, or write it."""
     from mamo_core.study.report import check_ending, report_data, report_text, write_report
+    from mamo_core.study.split import Split
 
     if output is not None:
         check_ending(output)
         check_writable(output)
     with open_store(path) as store:
-        data = report_data(store, against)
+        data = report_data(store, against, Split(*split) if split is not None else None)
     if output is not None:
         write_report(data, output)
     if as_json:

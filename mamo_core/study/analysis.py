@@ -11,6 +11,7 @@ from typing import Any
 from mamo_core.classify import CLASSES
 from mamo_core.study.pairs import compare_all
 from mamo_core.study.rows import Row
+from mamo_core.study.split import QUICK, SLOW
 from mamo_core.study.statistics import par2, quantile, success_curve, wilson
 
 CURVE = (1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0)
@@ -77,7 +78,7 @@ def _groups(planner: str, rows: Sequence[Row], subject: Subject) -> list[dict[st
     lines = []
     for name, of_set in sets.items():
         levels = by(of_set, lambda row: row.level)
-        for level in (ALL, *(c for c in CLASSES if c in levels)):
+        for level in (ALL, *(c for c in (*CLASSES, QUICK, SLOW) if c in levels)):
             chosen = of_set if level == ALL else levels[level]
             head = {"planner": planner, "set": name, "class": level}
             lines.append({**head, **figures(chosen, subject.budget)})

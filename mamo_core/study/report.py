@@ -11,15 +11,18 @@ from mamo_core.atomic import atomic_path
 from mamo_core.errors import InputError, suggestion
 from mamo_core.study.analysis import Subject, analyse
 from mamo_core.study.report_markdown import markdown_report
+from mamo_core.study.split import Split, split_by_time
 from mamo_core.study.store import Store
 
 ENDINGS = (".md", ".html", ".json")
 
 
-def report_data(store: Store, against: Sequence[str] = ()) -> dict[str, Any]:
+def report_data(
+    store: Store, against: Sequence[str] = (), split: Split | None = None
+) -> dict[str, Any]:
     """Everything a report says; recipes are compared with those of ``against``.
 
-    With none of these, with the study's baseline.
+    With none of these, with the study's baseline. ``split``: classes by the time a recipe took.
 
     Raises:
         InputError: nothing is finished, or there is no such recipe.
@@ -28,9 +31,12 @@ def report_data(store: Store, against: Sequence[str] = ()) -> dict[str, Any]:
     if not rows:
         raise InputError(f"{store.path}: no task is finished yet")
     recipes = dict.fromkeys(row.recipe for row in rows)
-    for name in against:
+    asked = [("--against", name) for name in against]
+    for option, name in [*asked, *([("--split-by", split.recipe)] if split else [])]:
         if name not in recipes:
-            raise InputError(f"--against: no recipe {name!r}{suggestion(name, recipes)}")
+            raise InputError(f"{option}: no recipe {name!r}{suggestion(name, recipes)}")
+    if split is not None:
+        rows = split_by_time(rows, split)
     subject = Subject(
         study=store.about("study") or "",
         total=len(store.tasks()),

@@ -8,7 +8,14 @@ import grimp
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PLUGINS = ("mamo_dart", "mamo_geometry", "mamo_mujoco", "mamo_planners", "mamo_pybullet")
+PLUGINS = (
+    "mamo_dart",
+    "mamo_geometry",
+    "mamo_mujoco",
+    "mamo_ompl",
+    "mamo_planners",
+    "mamo_pybullet",
+)
 PLUGIN_API = {
     f"mamo_core.{name}"
     for name in (
@@ -67,7 +74,17 @@ def test_discovery_loads_no_engine_and_no_compiler():
     loaded = imported_by("from mamo_core.plugins import discover; discover()")
     assert (
         loaded
-        & {"dartpy", "mujoco", "numba", "pybullet", "pinocchio", "fcl", "trimesh", "matplotlib"}
+        & {
+            "dartpy",
+            "mujoco",
+            "numba",
+            "ompl",
+            "pybullet",
+            "pinocchio",
+            "fcl",
+            "trimesh",
+            "matplotlib",
+        }
         == set()
     )
 

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from mamo_planners.search.execution import Execution
+from mamo_planners.search.fresh import fresh_engines
 from mamo_planners.search.greedy import GreedySearch
 from mamo_planners.search.options import BestFirstOptions, DepthFirstOptions, GreedyOptions
 from mamo_planners.search.orders import DepthFirst, order_of
@@ -128,13 +129,14 @@ class Search:
     def _execution(self, statistics, budget, rng):
         arm = SimpleNamespace(gripper=SimpleNamespace(closed=0.0), velocity=np.ones(4))
         engines = [Engine(name, model) for name, model in [("own", self.model), *self.others]]
-        tolerated = 0
+        tolerated, fresh = 0, None
         if self.uncertainty is not None:
-            drawn = sampled(self.problem.scene, self.uncertainty, rng)
+            drawn = sampled(self.problem.scene, self.uncertainty, rng, self.uncertainty.samples)
             engines = [
                 Engine(f"sample_{n}", self.model, values, n == 0) for n, values in enumerate(drawn)
             ]
-            tolerated = len(engines) - needed(self.uncertainty)
+            tolerated = len(engines) - needed(self.uncertainty.threshold, len(engines))
+            fresh = fresh_engines(self.problem.scene, self.uncertainty, rng, self.model)
         self.engines = engines
         parts = (
             arm,
@@ -144,7 +146,7 @@ class Search:
             lambda motion, states: True,
             lambda motion, state: False,
         )
-        return Execution(self.problem, *parts, statistics, budget, tolerated)
+        return Execution(self.problem, *parts, statistics, budget, tolerated, fresh=fresh)
 
     def replay(self, plan):
         """The whole plan in one rollout."""

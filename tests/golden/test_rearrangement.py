@@ -404,7 +404,7 @@ def test_so_many_samples_may_fail(search_of, threshold, solved, monkeypatch):
 
 def test_the_law_of_the_samples():
     scene = two_blockers().problem.scene
-    drawn = sampled(scene, Uncertainty(simulators=50, copies=4), np.random.default_rng(0))
+    drawn = sampled(scene, Uncertainty(), np.random.default_rng(0), 200)
     masses = np.array([values.masses["a"] for values in drawn]) / 0.2
     frictions = np.array([values.frictions["a"] for values in drawn]) / 0.5
     assert len(drawn) == 200
@@ -412,4 +412,5 @@ def test_the_law_of_the_samples():
     assert 0.5 <= frictions.min() < 0.6
     assert 1.9 < frictions.max() <= 2.0
     assert sorted(drawn[0].masses) == ["a", "b", "c", "target"]
-    assert [needed(Uncertainty(threshold=t)) for t in (0.9, 0.01, 1.0)] == [10, 1, 12]
+    assert Uncertainty().samples == 12
+    assert [needed(t, 12) for t in (0.9, 0.01, 1.0)] == [10, 1, 12]

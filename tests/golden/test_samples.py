@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from mamo_planners.search.options import Uncertainty
 
 from mamo_core.testing.scenes import one_blocker
@@ -12,10 +13,16 @@ from mamo_core.types.solution import SolutionStatus
 HEAVY = 50.0
 
 
-def robust(search_of, threshold=1.0, **options):
+def robust(search_of, threshold=1.0, fresh=0, fresh_threshold=0.84, **options):
     """A search of four samples that know masses and frictions exactly."""
     uncertainty = Uncertainty(
-        simulators=4, copies=1, threshold=threshold, mass_spread=0.0, friction_spread=0.0
+        simulators=4,
+        copies=1,
+        threshold=threshold,
+        mass_spread=0.0,
+        friction_spread=0.0,
+        fresh=fresh,
+        fresh_threshold=fresh_threshold,
     )
     settings = {"kind": "depth_first", "uncertainty": uncertainty, "agnostic": 0, **options}
     return search_of(one_blocker().problem, **settings)
@@ -29,7 +36,10 @@ def watched(search, monkeypatch, heavy=()):
     def seen(state, motion, *, parameters=None, **more):
         if parameters is None:  # the verifier's
             return rollout(state, motion, **more)
-        number = [engine.parameters is parameters for engine in search.engines].index(True)
+        own = [engine.parameters is parameters for engine in search.engines]
+        if True not in own:  # a fresh sample's
+            return rollout(state, motion, parameters=parameters, **more)
+        number = own.index(True)
         asked.append((number, motion))
         if number in heavy:
             parameters = replace(parameters, masses=dict.fromkeys(parameters.masses, HEAVY))
@@ -95,3 +105,62 @@ def test_a_way_back_that_is_not_free_is_simulated_to_its_end(search_of, monkeypa
     assert search.solve().status is SolutionStatus.SOLVED
     pushes = [n for n, motion in asked if motion.segments[-1].kind is SegmentKind.RETRACT]
     assert pushes == [0, 1, 1, 2, 2, 3, 3, 0]
+
+
+def with_fresh(search, monkeypatch, heavy=()):
+    """What fresh samples are asked about, by who was drawn; the ``heavy`` ones cannot push."""
+    asked = []
+    rollout = search.model.rollout
+
+    def seen(state, motion, *, parameters=None, **more):
+        own = any(engine.parameters is parameters for engine in search.engines)
+        if parameters is None or own:
+            return rollout(state, motion, parameters=parameters, **more)
+        if not any(parameters is other for other in asked):
+            asked.append(parameters)
+        number = [parameters is other for other in asked].index(True)
+        if number in heavy:
+            parameters = replace(parameters, masses=dict.fromkeys(parameters.masses, HEAVY))
+        return rollout(state, motion, parameters=parameters, **more)
+
+    monkeypatch.setattr(search.model, "rollout", seen)
+    return asked
+
+
+def test_a_plan_that_fresh_samples_execute_is_returned_as_it_was_found(search_of, monkeypatch):
+    alone, search = robust(search_of), robust(search_of, fresh=3)
+    asked = with_fresh(search, monkeypatch)
+    without, found = alone.solve().plan, search.solve().plan
+    assert len(asked) == 3
+    assert [a.path.tolist() for a in found.actions] == [a.path.tolist() for a in without.actions]
+
+
+@pytest.mark.parametrize("heavy", [(0,), (2,)])
+def test_after_one_that_fails_as_many_others_must_hold(search_of, monkeypatch, heavy):
+    search = robust(search_of, fresh=3, expansions=1, regions=1)
+    asked = with_fresh(search, monkeypatch, heavy)
+    assert search.solve().status is SolutionStatus.SOLVED
+    assert len(asked) == 6
+
+
+def test_a_larger_share_of_them_may_fail(search_of, monkeypatch):
+    search = robust(search_of, fresh=3, fresh_threshold=0.5, expansions=1, regions=1)
+    asked = with_fresh(search, monkeypatch, heavy=(0, 2, 5))
+    assert search.solve().status is SolutionStatus.SOLVED
+    assert len(asked) == 6
+
+
+@pytest.mark.parametrize("heavy", [(0, 1), (0, 3), (2, 5)])
+def test_two_that_fail_refuse_the_plan(search_of, monkeypatch, heavy):
+    search = robust(search_of, fresh=3, expansions=1, regions=1)
+    with_fresh(search, monkeypatch, heavy)
+    solution = search.solve()
+    assert solution.status is not SolutionStatus.SOLVED
+    assert any("not_valid_in_fresh_samples" in cause for cause in solution.statistics.causes)
+
+
+def test_every_plan_meets_samples_of_its_own(search_of, monkeypatch):
+    search = robust(search_of, fresh=3, expansions=3, forbidden_radius=0.03)
+    asked = with_fresh(search, monkeypatch, heavy=(0, 1))
+    assert search.solve().status is SolutionStatus.SOLVED
+    assert len(asked) > 3

@@ -7,10 +7,11 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mamo_core.hookspecs import Component, NoOptions, hookimpl
-from mamo_planners.baselines.options import SelectiveSimulationOptions
+from mamo_planners.baselines.options import DogarOptions, SelectiveSimulationOptions
+from mamo_planners.baselines.sampling.components import components as sampling_components
 from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
 from mamo_planners.options import PickPlaceOptions, PushOptions, RetrievalOptions
-from mamo_planners.reaching.options import SpampOptions
+from mamo_planners.reaching.options import ArmLatticeOptions, SpampOptions
 from mamo_planners.search.options import (
     BestFirstOptions,
     DepthFirstOptions,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 _REACHES = frozenset({"reach", "retrieve"})
 _CONTINUED = {"backend": frozenset({"exact_continuation"})}
+_MAPF = {**_CONTINUED, "mapf": frozenset[str]()}
 
 
 def _arm_parts(context: BuildContext) -> tuple[Any, Any, Any, Any, Any]:
@@ -66,6 +68,7 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
     from mamo_core.robots.contact_free import check_meshes
     from mamo_planners.search.clearance import keeps_clear
     from mamo_planners.search.execution import Execution
+    from mamo_planners.search.fresh import fresh_engines
     from mamo_planners.search.run import SearchParts
     from mamo_planners.search.stand import Engine
     from mamo_planners.search.uncertainty import needed, sampled
@@ -83,12 +86,15 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
         others = [Engine(name, model) for name, model in context.accept_in]
         if uncertainty is None:
             return [Engine("backend", backend), *others], 0
-        samples = sampled(scene, uncertainty, rng)
+        samples = sampled(scene, uncertainty, rng, uncertainty.samples)
         drawn = [Engine(f"sample_{n}", backend, v, n == 0) for n, v in enumerate(samples)]
-        return [*drawn, *others], len(drawn) - needed(uncertainty)
+        return [*drawn, *others], len(drawn) - needed(uncertainty.threshold, len(drawn))
 
     def execution(statistics: Statistics, budget: Budget, rng: np.random.Generator) -> Execution:
         used, tolerated = engines(rng)
+        fresh = None
+        if uncertainty is not None:
+            fresh = fresh_engines(scene, uncertainty, rng, context.part("backend"))
         return Execution(
             problem,
             robot,
@@ -101,12 +107,13 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
             budget,
             tolerated,
             uncertainty.safety_margin if uncertainty is not None else 0.0,
+            fresh,
         )
 
     return SearchParts(
         context.problem,
         context.part("retrieval"),
-        context.part("mapf"),
+        context.mapf,
         context.actions,
         execution,
         context.part("verifier"),
@@ -136,6 +143,12 @@ def _best_first(context: BuildContext, options: BestFirstOptions) -> Any:
     )
 
 
+def _mha_star(context: BuildContext, options: ArmLatticeOptions) -> Any:
+    from mamo_planners.reaching.arm_planner import MultiHeuristicAStar
+
+    return MultiHeuristicAStar(context.problem, context.robot, context.part("kinematics"), options)
+
+
 def _reaching_parts(context: BuildContext) -> ReachingParts:
     from mamo_planners.reaching.stand import ReachingParts
 
@@ -148,6 +161,12 @@ def _spamp(context: BuildContext, options: SpampOptions) -> Any:
     return Spamp(_reaching_parts(context), options)
 
 
+def _dogar(context: BuildContext, options: DogarOptions) -> Any:
+    from mamo_planners.baselines.dogar import Dogar
+
+    return Dogar(_search_parts(context), context.part("collision"), options)
+
+
 def _selective_simulation(context: BuildContext, options: SelectiveSimulationOptions) -> Any:
     from mamo_planners.baselines.selective_simulation import SelectiveSimulation
 
@@ -158,6 +177,19 @@ def _learn_priority(bench: Workbench, options: NoOptions) -> Any:
     from mamo_planners.learning.command import command_of
 
     return command_of(bench)
+
+
+@hookimpl
+def mamo_arm_planners() -> Iterable[Component]:
+    """Multi-heuristic A*."""
+    return [
+        Component(
+            "mha_star",
+            _mha_star,
+            ArmLatticeOptions,
+            "multi-heuristic A* over joint primitives (thesis 3.4)",
+        ),
+    ]
 
 
 @hookimpl
@@ -210,21 +242,28 @@ def mamo_searches() -> Iterable[Component]:
             _greedy,
             GreedyOptions,
             "M4M: commit to every valid push (thesis, Algorithm 4)",
-            requires=_CONTINUED,
+            requires=_MAPF,
         ),
         Component(
             "best_first",
             _best_first,
             BestFirstOptions,
             "E-M4M: the most promising rearrangement first (thesis, Algorithm 5)",
-            requires=_CONTINUED,
+            requires=_MAPF,
         ),
         Component(
             "depth_first",
             _depth_first,
             DepthFirstOptions,
             "I-M4M: the rearrangement with the most actions first, lazily if wanted (thesis 6.3)",
-            requires=_CONTINUED,
+            requires=_MAPF,
+        ),
+        Component(
+            "dogar",
+            _dogar,
+            DogarOptions,
+            "backwards from the retrieval (Dogar and Srinivasa, 2012)",
+            requires={**_CONTINUED, "action": frozenset[str]()},
         ),
         Component(
             "spamp",
@@ -242,6 +281,7 @@ def mamo_searches() -> Iterable[Component]:
             requires=_CONTINUED,
             tasks=_REACHES,
         ),
+        *sampling_components(_reaching_parts, _REACHES),
     ]
 
 

@@ -14,6 +14,7 @@ from mamo_core.study.export import write_plans, write_rows
 from mamo_core.study.ompl_log import STATUSES, ompl_log
 from mamo_core.study.report import report_data, report_text, write_report
 from mamo_core.study.rows import Row
+from mamo_core.study.split import Split, split_by_time
 from mamo_core.study.store import create_store, open_store
 from mamo_core.study.tables import markdown
 
@@ -151,6 +152,31 @@ def test_sets_and_all_of_them():
         ("all", "all", 2),
         ("all", "none", 1),
         ("all", "easy", 1),
+    ]
+
+
+def test_classes_by_the_time_of_a_planner():
+    rows = [
+        row("naive", "p1", 0.5),
+        row("naive", "p2", 3.0),
+        row("naive", "p3", 0.5, verified=False),
+        *(row("spamp", problem, 0.1) for problem in ("p1", "p2", "p3", "not_yet")),
+    ]
+    split = split_by_time(rows, Split("naive", 1.0))
+    levels = {(r.recipe, r.problem_id): r.level for r in split}
+    assert levels == {
+        ("naive", "p1"): "quick",
+        ("naive", "p2"): "slow",
+        ("naive", "p3"): "slow",
+        ("spamp", "p1"): "quick",
+        ("spamp", "p2"): "slow",
+        ("spamp", "p3"): "slow",
+    }
+    found = analyse(Subject("s", 6, 60.0, ("spamp",)), split)
+    assert [g["class"] for g in found["groups"] if g["planner"] == "spamp"] == [
+        "all",
+        "quick",
+        "slow",
     ]
 
 

@@ -15,8 +15,8 @@ class MotionOptions(Options):
     settle: float = Field(1.0, ge=0.0, description="longest wait for objects to rest, s")
 
 
-class LatticeOptions(MotionOptions):
-    """Multi-heuristic A* over joint primitives (thesis 3.4)."""
+class PrimitiveOptions(Options):
+    """Joint primitives, and multi-heuristic A* over them (thesis 3.3.1, 3.4.1)."""
 
     large_step_deg: float = Field(
         7.0, gt=0.0, le=20.0, description="primitive of the first four joints, degrees"
@@ -32,6 +32,17 @@ class LatticeOptions(MotionOptions):
     w2: float = Field(
         2.0, ge=1.0, description="how much worse than the anchor's a queue's best state may be"
     )
+
+
+class ArmLatticeOptions(PrimitiveOptions):
+    """Options of ``mha_star``."""
+
+    max_checks: int = Field(10_000, ge=1, description="edges checked per query")
+
+
+class LatticeOptions(PrimitiveOptions, MotionOptions):
+    """A search over primitives whose motions may push."""
+
     expansions: int = Field(
         200,
         ge=1,

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mamo_core.interfaces.collision_checker import CollisionWorld
-from mamo_core.types.geometry import Array
+from mamo_core.types.geometry import Array, Shape
+from mamo_core.types.problem import Problem
 from mamo_core.types.scene import Mobility
 from mamo_planners.reaching.distance_field import DistanceField
 from mamo_planners.reaching.goals import Goals
-from mamo_planners.reaching.options import LatticeOptions
+from mamo_planners.reaching.options import LatticeOptions, PrimitiveOptions
 
 if TYPE_CHECKING:
     from mamo_planners.reaching.stand import ReachingParts
@@ -38,9 +40,14 @@ class Scenery:
     field: DistanceField
 
     def primitives_to_go(self, point: Array) -> float:
-        """The anchor heuristic where the tool is at ``point`` (3,): primitives to a goal."""
-        way = self.field.distance(point)
-        return (way if math.isfinite(way) else _NO_WAY) / _TOOL_STEP
+        """The anchor heuristic where the tool is at ``point`` (3,)."""
+        return primitives_to_go(self.field, point)
+
+
+def primitives_to_go(field: DistanceField, point: Array) -> float:
+    """About how many primitives bring the tool from ``point`` (3,) to where the field is 0."""
+    way = field.distance(point)
+    return (way if math.isfinite(way) else _NO_WAY) / _TOOL_STEP
 
 
 def look_at(parts: ReachingParts, goals: Goals, options: LatticeOptions) -> Scenery:
@@ -56,15 +63,27 @@ def look_at(parts: ReachingParts, goals: Goals, options: LatticeOptions) -> Scen
 def distances_to(parts: ReachingParts, points: Array, options: LatticeOptions) -> DistanceField:
     """Ways of the tool to ``points`` (k, 3) around fixtures and immovables."""
     scene, poses = parts.problem.scene, parts.problem.initial.object_poses
-    still = [(f.shape, f.pose) for f in scene.fixtures]
+    still: list[tuple[Shape, Array]] = [(f.shape, f.pose) for f in scene.fixtures]
     still += [
         (item.shape, pose)
         for item, pose in zip(scene.objects, poses, strict=True)
         if item.mobility is not Mobility.MOVABLE
     ]
     home = parts.kinematics.forward(parts.problem.initial.joint_positions)[:3, 3]
-    corners = np.vstack([scene.workspace.lower, scene.workspace.upper, home, points])
+    return field_to(parts.problem, home, points, still, options)
+
+
+def field_to(
+    problem: Problem,
+    start: Array,
+    points: Array,
+    solids: Sequence[tuple[Shape, Array]],
+    options: PrimitiveOptions,
+) -> DistanceField:
+    """Distances to ``points`` (k, 3) from around the workspace and ``start`` (3,)."""
+    workspace = problem.scene.workspace
+    corners = np.vstack([workspace.lower, workspace.upper, start, points])
     lower, upper = corners.min(axis=0) - _MARGIN, corners.max(axis=0) + _MARGIN
-    field = DistanceField(lower, upper, options.resolution, still, options.hand_radius)
+    field = DistanceField(lower, upper, options.resolution, solids, options.hand_radius)
     field.spread_from(points)
     return field

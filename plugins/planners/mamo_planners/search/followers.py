@@ -44,10 +44,12 @@ class Samples:
         judge: Judge,
         statistics: Statistics,
         needed: int,
+        refusal: str = "not_valid_in_samples",
     ) -> None:
+        """``refusal``: what is counted as the cause if fewer agree."""
         self._collision, self._contact_free, self._clear = collision, contact_free, clear
         self._rollouts, self._judge, self._stats = rollouts, judge, statistics
-        self._needed = needed
+        self._needed, self._refusal = needed, refusal
         self._refusals: Counter[str] = Counter()
 
     def follow(
@@ -71,21 +73,21 @@ class Samples:
 
         return self._asked(lines, short, followed, (action.object_name, action.kind))
 
-    def hold(self, lines: Sequence[Line], retrieval: Motion) -> bool:
-        """Whether the retrieval is valid in enough lines.
+    def holding(self, lines: Sequence[Line], retrieval: Motion) -> tuple[Line, ...] | None:
+        """The lines in which the retrieval is valid; None if they are too few.
 
         Where nothing is near its way it need not be executed: from rest, masses and frictions only
         matter to what is touched.
         """
-        clear = [line for line in lines if self._clear(retrieval, line.state)]
+        clear = tuple(line for line in lines if self._clear(retrieval, line.state))
 
         def holds(line: Line, result: RolloutResult) -> Line | None:
             good = self._judge.retrieved(result)
             return line if good and self._free(line, result, retrieval) else None
 
         doubtful = [line for line in lines if line not in clear]
-        who = ("arm", "retrieval")
-        return self._asked(doubtful, retrieval, holds, who, sure=len(clear)) is not None
+        found = self._asked(doubtful, retrieval, holds, ("arm", "retrieval"), sure=len(clear))
+        return None if found is None else (*clear, *found)
 
     def _asked(
         self,
@@ -110,7 +112,7 @@ class Samples:
                 self._refusals[line.engine.name] += 1
                 spare -= 1
         if spare < 0:
-            self._stats.failed(*who, "not_valid_in_samples")
+            self._stats.failed(*who, self._refusal)
             return None
         return tuple(found[n] for n in (line.engine.name for line in lines) if n in found)
 

@@ -54,6 +54,15 @@ class Uncertainty(Options):
         description="distance that moved objects keep from what must not be touched, in every "
         "simulation that is to hold, m; thesis: 0",
     )
+    fresh: int = Field(
+        0,
+        ge=0,
+        description="samples drawn anew for every plan that was found: it is returned if all "
+        "execute it; if not, as many others are asked; thesis: 0",
+    )
+    fresh_threshold: float = Field(
+        0.9, gt=0.0, le=1.0, description="share of these twice as many samples that must hold"
+    )
 
     @property
     def samples(self) -> int:

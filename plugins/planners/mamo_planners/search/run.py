@@ -45,7 +45,7 @@ class SearchParts:
 
     problem: Problem
     retrieval: RetrievalPlanner
-    mapf: MAPFSolver
+    mapf: MAPFSolver | None
     actions: tuple[tuple[str, ActionGenerator], ...]
     execution: ExecutionFactory
     verifier: Verifier
@@ -92,21 +92,33 @@ class SearchRun:
         one or two objects aside takes about as long as to look for a better one.
         """
         best: tuple[tuple[int, float], SweptRegion] | None = None
-        problem, retrieval = self.parts.problem, self._retrieval
+        problem = self.parts.problem
         for drawn in range(1, draws + 1):
-            with self.statistics.timed("retrieval"):
-                found = retrieval.plan(problem.initial, self.rng, ignore_movables=True)
-                if found.motion is None:
-                    for cause, times in found.causes.items():
-                        self.statistics.failed(self.parts.target_name, "retrieval", cause, times)
-                    continue
-                region = retrieval.swept_region(problem.initial, found.motion)
+            motion = self.retrieval_without_movables()
+            if motion is None:
+                continue
+            region = self.swept_by(motion)
             rank = occupancy(problem, problem.initial, region)
             if best is None or rank < best[0]:
                 best = (rank, region)
             if best[0][0] <= drawn:
                 break
         return best[1] if best is not None else None
+
+    def retrieval_without_movables(self) -> Motion | None:
+        """A retrieval from the initial scene as if it had no movables; why not is counted."""
+        initial = self.parts.problem.initial
+        with self.statistics.timed("retrieval"):
+            found = self._retrieval.plan(initial, self.rng, ignore_movables=True)
+        if found.motion is None:
+            for cause, times in found.causes.items():
+                self.statistics.failed(self.parts.target_name, "retrieval", cause, times)
+        return found.motion
+
+    def swept_by(self, retrieval: Motion) -> SweptRegion:
+        """The NGR of a retrieval."""
+        with self.statistics.timed("retrieval"):
+            return self._retrieval.swept_region(self.parts.problem.initial, retrieval)
 
     def retrieve(self, stand: Stand, done: Actions, region: SweptRegion | None) -> Plan | None:
         """A verified plan if the target can be taken out now; failing grasps are left aside."""
@@ -117,15 +129,17 @@ class SearchRun:
                 found = self._retrieval.plan(stand.state, self.rng, avoid=avoid)
             if found.motion is None or self.budget.exhausted:
                 return None
-            plan = self._confirmed(stand, done, found.motion, region)
+            plan = self.confirmed(stand, done, found.motion, region)
             if plan is not None:
-                return plan
+                # Another grasp would not change the actions, which are what samples disagree about.
+                return plan if self.execution.holds_in_fresh_samples(stand, plan) else None
             avoid.add(found.grasp)
         return None
 
-    def _confirmed(
+    def confirmed(
         self, stand: Stand, done: Actions, retrieval: Motion, region: SweptRegion | None
     ) -> Plan | None:
+        """The plan that ends with ``retrieval``, if it executes and is verified."""
         motion = self.execution.retrieval_from(stand, retrieval, self.rng)
         executed = self.execution.retrieved(stand, motion) if motion is not None else None
         if motion is None or executed is None:
@@ -141,6 +155,8 @@ class SearchRun:
 
     def paths(self, state: SceneState, region: SweptRegion, penalties: Penalties) -> Paths:
         """Where MAPF wants objects to go; empty if it finds nothing or nobody has to move."""
+        if self.parts.mapf is None:
+            raise ValueError("paths: this search was built without a MAPF solver")
         problem = mapf_problem(self.parts.problem, state, region, penalties, self._goal_margin)
         with self.statistics.timed("mapf"):
             solution = self.parts.mapf.solve(problem, self._mapf_budget, self.rng)

@@ -12,9 +12,9 @@ from mamo_planners.search.options import Uncertainty
 
 
 def sampled(
-    scene: Scene, uncertainty: Uncertainty, rng: np.random.Generator
+    scene: Scene, uncertainty: Uncertainty, rng: np.random.Generator, count: int
 ) -> list[ParameterOverrides]:
-    """Values for all objects that can move, once for each sample.
+    """Values for all objects that can move, ``count`` times.
 
     Normal around the problem's own, between half and twice of it.
     """
@@ -24,13 +24,13 @@ def sampled(
             {o.name: _drawn(o.mass, uncertainty.mass_spread, rng) for o in loose},
             {o.name: _drawn(o.friction, uncertainty.friction_spread, rng) for o in loose},
         )
-        for _ in range(uncertainty.samples)
+        for _ in range(count)
     ]
 
 
-def needed(uncertainty: Uncertainty) -> int:
-    """How many samples must be valid for an action to be."""
-    return max(1, math.floor(uncertainty.threshold * uncertainty.samples + 1e-9))
+def needed(threshold: float, count: int) -> int:
+    """How many of ``count`` samples must be valid for an action, or a plan, to be."""
+    return max(1, math.floor(threshold * count + 1e-9))
 
 
 def _drawn(value: float, spread: float, rng: np.random.Generator) -> float:
