@@ -42,6 +42,10 @@ class Recording(QuasiStaticModel):
         return super().rollout(state, motion, **settings)
 
 
+COARSE = {"large_step_deg": 2.0}
+"""The gantry's steps are metres: 3.5 cm."""
+
+
 class Reaching:
     """Parts of a planner that reaches with the gantry; ``engines``: all that were built."""
 
@@ -73,17 +77,14 @@ class Reaching:
         from mamo_planners.reaching.options import SpampOptions
         from mamo_planners.reaching.spamp import Spamp
 
-        return Spamp(self.parts, SpampOptions(**{**self._coarse, **options}))
+        return Spamp(self.parts, SpampOptions(**{**COARSE, **options}))
 
     def selective(self, **options):
         from mamo_planners.baselines.options import SelectiveSimulationOptions
         from mamo_planners.baselines.selective_simulation import SelectiveSimulation
 
-        chosen = SelectiveSimulationOptions(**{**self._coarse, **options})
+        chosen = SelectiveSimulationOptions(**{**COARSE, **options})
         return SelectiveSimulation(self.parts, self.engine_for, chosen)
-
-    _coarse = {"large_step_deg": 2.0}
-    """The gantry's steps are metres, 3.5 cm here."""
 
     @staticmethod
     def solve(search, seed=0, seconds=float("inf")):

@@ -7,15 +7,22 @@ from pathlib import Path
 
 import pytest
 
-from mamo_core.compose import compose
+from mamo_core.compose import choose, compose
 from mamo_core.config import load_text
+from mamo_core.errors import InputError
 from mamo_core.plugins import discover
 from mamo_core.problems import load_problem
 from mamo_core.recipes import find_recipe, load_recipe, shipped_recipes
+from mamo_core.types.problem import Task
 
 ROOT = Path(__file__).parents[3]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PROBLEM = ROOT / "problems" / "shelf_5_easy_seed1.yaml"
+REACH = ROOT / "problems" / "tabletop_6_6_seed1.yaml"
+REACHING = [
+    *("spamp", "spamp_thesis", "naive", "naive_dd", "subg", "subg_dd", "phase1", "selsim", "ss2"),
+    *("kpiece_k1", "kpiece_k2", "kpiece_k3", "rrt"),
+]
 
 
 def blocks(language):
@@ -70,6 +77,20 @@ def test_shipped_recipes_compose(name, problem, registry):
 @pytest.mark.parametrize(("page", "target"), links())
 def test_linked_files_exist(page, target):
     assert (page.parent / target).exists()
+
+
+@pytest.mark.parametrize("name", REACHING)
+def test_recipes_that_reach_compose_for_a_reach(name, registry):
+    problem = load_problem(REACH)
+    assert problem.task is Task.REACH
+    assert compose(load_recipe(find_recipe(name)), problem, registry).search is not None
+
+
+def test_all_others_are_refused_for_a_reach(registry):
+    problem = load_problem(REACH)
+    for name in sorted(set(shipped_recipes()) - set(REACHING)):
+        with pytest.raises(InputError, match="does not plan for the task 'reach'"):
+            choose(load_recipe(find_recipe(name)), problem, registry)
 
 
 def test_there_is_something_to_test():

@@ -1,5 +1,7 @@
 """Composing: options and capabilities are checked before anything is built."""
 
+import pickle
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -132,6 +134,52 @@ def test_a_part_sees_what_was_built_before_it():
     assert seen["kinematics"].collision is None
     assert seen["arm_planner"].collision == "collision toy"
     assert seen["action"].actions == ()
+
+
+def test_the_search_can_build_the_backend_for_another_problem():
+    """With constraints for that problem and the same robot, and nothing else is built."""
+    world = World()
+    planner = world.compose()
+    del world.built[:]
+    other = replace(make_problem(), name="smaller")
+    assert planner.context.part("engine_for")(other) == "backend toy"
+    (constraint, _, _), (backend, _, seen) = world.built
+    assert (constraint, backend) == ("constraint", "backend")
+    assert seen.problem is other
+    assert seen.robot is ROBOT
+    assert seen.constraints == ("constraint toy",)
+    assert planner.context.problem is PROBLEM
+
+
+def test_engines_for_other_problems_have_the_options_of_the_recipe():
+    world, asked = World(), []
+
+    def build(context, options):
+        asked.append((context.problem.name, options.depth))
+        return "backend toy"
+
+    world.components["backend", "toy"] = Component("toy", build, SearchOptions)
+    planner = world.compose("backend={name: toy, depth: 3}")
+    planner.context.engine_for(replace(PROBLEM, name="smaller"))
+    assert asked == [("p", 3), ("smaller", 3)]
+
+
+def test_without_a_backend_there_is_none_for_other_problems_either():
+    world = World()
+    context = build_parts(
+        choose(recipe(), PROBLEM, world.registry, ("kinematics",)), PROBLEM, ROBOT
+    )
+    with pytest.raises(InputError, match="a part 'backend' is needed, and the recipe gives none"):
+        context.engine_for(PROBLEM)
+
+
+def test_what_parts_are_built_from_can_be_sent_to_another_process():
+    """Engines in processes of their own take it along."""
+    world = World()
+    world.compose()
+    backend = next(context for role, _, context in world.built if role == "backend")
+    assert backend.engine_for is None
+    assert pickle.loads(pickle.dumps(backend)).problem.name == PROBLEM.name
 
 
 def test_solve_passes_budget_seed_and_progress():

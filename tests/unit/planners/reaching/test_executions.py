@@ -122,7 +122,8 @@ def test_what_the_verifier_refuses_is_no_plan(reaching):
 
 
 def candidate_of(problem):
-    grasp_at, lifted = PREGRASP + (0.1, 0, 0, 0), PREGRASP + (0.1, 0, 0.05, 0)
+    grasp_at = PREGRASP + np.array([0.1, 0.0, 0.0, 0.0])
+    lifted = grasp_at + np.array([0.0, 0.0, 0.05, 0.0])
     target = problem.scene.target_index
     T_world_target = matrix_from_pose(problem.initial.object_poses[target])
     T_world_tool = tool_matrix(grasp_at[:3], 0.0)

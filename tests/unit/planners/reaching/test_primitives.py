@@ -38,7 +38,7 @@ def primitives_of(reaching):
 
 
 def away(x=0.0, y=0.0, z=0.0):
-    return GOAL + (x, y, z, 0.0)
+    return GOAL + np.array([x, y, z, 0.0])
 
 
 def test_straight_to_the_goal(primitives_of):

@@ -1,0 +1,98 @@
+"""What planners that reach do on tiny scenes, step by step."""
+
+import numpy as np
+import pytest
+
+from mamo_core.testing.scenes import (
+    one_blocker,
+    reach_between_corners,
+    reach_by_pushing,
+    reach_past,
+    reach_past_a_corner,
+    reach_without_room,
+)
+from mamo_core.types.scene import Mobility
+
+NAIVE_DD = {"subgoals": 0, "snap": False, "rounds": 1}
+
+
+def starts(engine):
+    """Where the tool was when motions began, cm."""
+    return [tuple(np.rint(100 * m.start[:3]).astype(int).tolist()) for m in engine.motions]
+
+
+def drawn(*counts):
+    names = ("expansions", "drawn_primitives", "simulated_primitives", "soft_duplicates")
+    return dict(zip(names, counts, strict=True))
+
+
+FIRST = [(39, -3, 22), (22, -7, 15), (25, 10, 15), (39, -3, 22)]
+SECOND = [(43, -3, 19), (32, 3, 19), (43, 10, 5), (32, -10, 12)]
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "counts", "simulated"),
+    [
+        (reach_by_pushing(), {}, drawn(1, 8, 8, 0), FIRST + SECOND),
+        (reach_past(one_blocker()), {}, drawn(1, 8, 2, 0), [(22, -7, 15), (25, 10, 15)]),
+        (reach_by_pushing(), NAIVE_DD, drawn(11, 0, 1, 0), [(15, 0, 5)]),
+        (
+            reach_without_room(),
+            {**NAIVE_DD, "expansions": 200},
+            drawn(200, 0, 2, 78),
+            [(36, -3, 5), (36, -3, 5)],
+        ),
+    ],
+    ids=["spamp", "spamp_past_a_box", "naive_dd", "naive_dd_without_room"],
+)
+def test_spamp_simulates(reaching, scene, options, counts, simulated):
+    world = reaching(scene.problem)
+    solution = world.solve(world.spamp(**options))
+    assert {name: solution.statistics.counts[name] for name in counts} == counts
+    assert starts(world.engines[0]) == simulated
+    assert (solution.plan is not None) is scene.solvable
+
+
+def test_spamp_in_rounds(reaching):
+    world = reaching(reach_without_room().problem)
+    solution = world.solve(world.spamp(rounds=3, expansions=20))
+    assert solution.statistics.counts == {
+        "rounds": 3,
+        "drawn_primitives": 24,
+        "simulated_primitives": 24,
+        "rollouts": 24,
+        "steps": 1376,
+        "expansions": 80,
+        "soft_duplicates": 50,
+    }
+    assert solution.statistics.causes == {
+        "a/reach/contact": 22,
+        "a/reach/speed": 4,
+        "e/reach/speed": 1,
+    }
+
+
+@pytest.mark.parametrize(
+    ("scene", "step", "relevant", "expansions", "simulated"),
+    [
+        (reach_past_a_corner(), 4.0, ["", "a"], 24, [0, 14]),
+        (reach_between_corners(), 3.0, ["", "a", "ab"], 85, [0, 25, 42]),
+    ],
+    ids=["corner", "corners"],
+)
+def test_selective_simulation_in_phases(reaching, scene, step, relevant, expansions, simulated):
+    world = reaching(scene.problem)
+    solution = world.solve(world.selective(large_step_deg=step))
+    tracking, *planning = world.engines
+    assert ["".join(movables(engine)) for engine in planning] == relevant
+    assert [len(engine.motions) for engine in planning] == simulated
+    assert solution.statistics.counts["expansions"] == expansions
+    assert solution.statistics.counts["planning_phases"] == len(relevant)
+    # Each phase is tracked: the hand opens, and the rest.
+    assert len(tracking.motions) == 2 * len(relevant)
+    assert solution.plan is not None
+
+
+def movables(engine):
+    objects = engine.problem.scene.objects
+    return [o.name for o in objects if o.mobility is Mobility.MOVABLE]
