@@ -42,6 +42,9 @@ class Recording(QuasiStaticModel):
         return super().rollout(state, motion, **settings)
 
 
+THESIS = {"connect": False, "growth": 0.0, "via": 0.0}
+"""Options beyond the thesis, off: the golden searches are of Algorithm 3."""
+
 COARSE = {"large_step_deg": 2.0}
 """The gantry's steps are metres: 3.5 cm."""
 
@@ -77,7 +80,7 @@ class Reaching:
         from mamo_planners.reaching.options import SpampOptions
         from mamo_planners.reaching.spamp import Spamp
 
-        return Spamp(self.parts, SpampOptions(**{**COARSE, **options}))
+        return Spamp(self.parts, SpampOptions(**{**COARSE, **THESIS, **options}))
 
     def selective(self, **options):
         from mamo_planners.baselines.options import SelectiveSimulationOptions
