@@ -76,7 +76,7 @@ class Primitives:
         for _ in range(_TRIES):
             for q in map(rounded, self._nearby(rng)):
                 if self.begins_at(q) and self._everything.free(q)[0]:
-                    bent = rng.random() < via
+                    bent = via > 0.0 and rng.random() < via
                     primitive = self._bent(q, rng) if bent else self.to_goal(q, rng)
                     if primitive is not None:
                         yield primitive
