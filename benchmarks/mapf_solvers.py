@@ -97,6 +97,8 @@ def timed(make: Callable[[], MAPFSolver], problem: MAPFProblem) -> Timed:
 def row(level: int, pairs: list[tuple[Timed, Timed]]) -> str:
     """A line of the table: CBS, then prioritised planning."""
     both = [(a, b) for a, b in pairs if a.solved and b.solved]
+    if not both:
+        return f"| {level} | {len(pairs)} |" + " - |" * 6
     ratios = np.array([a.seconds / b.seconds for a, b in both])
     work = np.array([a.expansions / max(b.expansions, 1) for a, b in both])
     solved = [sum(pair[k].solved for pair in pairs) for k in (0, 1)]

@@ -55,7 +55,7 @@ def measure(registry: Registry) -> Measured:
 def sample(context: BuildContext, rng: np.random.Generator) -> Array:
     """Configurations (k, dof): half anywhere, half with the hand somewhere in the shelf."""
     arm, half = context.robot, CONFIGURATIONS // 2
-    low, high = np.maximum(arm.lower, arm.home - np.pi), np.minimum(arm.upper, arm.home + np.pi)
+    low, high = arm.around_home
     anywhere = rng.uniform(low, high, (half, arm.dof))
     inside = np.empty((0, arm.dof))
     while len(inside) < half:

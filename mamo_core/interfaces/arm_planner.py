@@ -9,7 +9,7 @@ from enum import StrEnum
 import numpy as np
 
 from mamo_core.interfaces.collision_checker import CollisionWorld
-from mamo_core.types.geometry import Array
+from mamo_core.types.geometry import Array, IntArray
 
 
 class ArmPlanStatus(StrEnum):
@@ -45,3 +45,16 @@ class ArmPlanner(ABC):
         max_checks: int | None = None,
     ) -> ArmPlan:
         """A path from ``start`` (dof,) to any of ``goals`` (m, dof), within ``max_checks``."""
+
+
+def free_goals(start: Array, goals: Array, world: CollisionWorld) -> IntArray | ArmPlan:
+    """Numbers (k,) of the goals (m, dof) that are free; or the plan that says why none can be met.
+
+    It asks for 1 + m configurations.
+    """
+    if not world.free(start[None])[0]:
+        return ArmPlan(ArmPlanStatus.START_BLOCKED, None, -1, 1)
+    free = np.flatnonzero(world.free(goals)) if len(goals) else np.zeros(0, dtype=np.int64)
+    if not free.size:
+        return ArmPlan(ArmPlanStatus.GOALS_BLOCKED, None, -1, 1 + len(goals))
+    return free

@@ -5,18 +5,12 @@ from mamo_core.problems.files import import_file, load_problem, problem_ids, sav
 from mamo_core.problems.generator import LEVELS, generate_shelf
 from mamo_core.problems.grasps import default_grasps
 from mamo_core.problems.schema import problem_schema
-from mamo_core.problems.workspaces import (
-    generate_refrigerator,
-    generate_tabletop,
-    generate_workspace,
-)
+from mamo_core.problems.workspaces import generate_workspace
 
 __all__ = [
     "LEVELS",
     "default_grasps",
-    "generate_refrigerator",
     "generate_shelf",
-    "generate_tabletop",
     "generate_workspace",
     "import_file",
     "load_problem",

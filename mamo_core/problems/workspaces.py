@@ -36,44 +36,6 @@ _MISSES = 100
 _SCENE_DRAWS = 20
 
 
-def generate_tabletop(
-    *,
-    seed: int,
-    movables: int | None = None,
-    immovables: int | None = None,
-    classify: Classify | None = None,
-    max_draws: int = 300,
-) -> Problem:
-    """A reach on a table of 0.6 m x 0.8 m; see ``generate_workspace``."""
-    return generate_workspace(
-        "tabletop",
-        seed=seed,
-        movables=movables,
-        immovables=immovables,
-        classify=classify,
-        max_draws=max_draws,
-    )
-
-
-def generate_refrigerator(
-    *,
-    seed: int,
-    movables: int | None = None,
-    immovables: int | None = None,
-    classify: Classify | None = None,
-    max_draws: int = 300,
-) -> Problem:
-    """A reach into a compartment of 0.6 m x 0.6 m x 0.6 m; see ``generate_workspace``."""
-    return generate_workspace(
-        "refrigerator",
-        seed=seed,
-        movables=movables,
-        immovables=immovables,
-        classify=classify,
-        max_draws=max_draws,
-    )
-
-
 def generate_workspace(
     workspace: str,
     *,

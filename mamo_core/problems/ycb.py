@@ -1,12 +1,12 @@
 """Objects of the YCB set, as upright boxes and cylinders.
 
 The thesis draws the objects of its workspaces from that set (3.5.1). Masses are those of the set's
-object list: B. Calli, A. Walsman, A. Singh, S. Srinivasa, P. Abbeel and A. M. Dollar, "Benchmarking
-in Manipulation Research: The YCB Object and Model Set and Benchmarking Protocols", IEEE Robotics
-and Automation Magazine 22(3), 2015; as a file at ycbbenchmarks.com. Extents are those of the boxes
-that the thesis' author used for the objects, which are the list's but for rounding; the foam
-brick's are the list's. What is round is a cylinder here, of the box's width; handles and spouts are
-left out.
+object list as other public code quotes it, not compared with the original: B. Calli, A. Walsman,
+A. Singh, S. Srinivasa, P. Abbeel and A. M. Dollar, "Benchmarking in Manipulation Research: The YCB
+Object and Model Set and Benchmarking Protocols", IEEE Robotics and Automation Magazine 22(3), 2015;
+as a file at ycbbenchmarks.com. Extents are those of the boxes that the thesis' author used for the
+objects; the foam brick's are quoted from the list. What is round is a cylinder here, of the box's
+width; handles and spouts are left out.
 
 Left out is what does not stand, what a box or cylinder does not resemble, and what is lighter than
 ``MINIMUM_MASS``.

@@ -104,6 +104,14 @@ class ArmModel:
         """Number of arm joints."""
         return len(self.joint_names)
 
+    @property
+    def around_home(self) -> tuple[Array, Array]:
+        """Lowest and highest positions (dof,) to look at: half a turn around home at most.
+
+        Beyond a full turn nothing new is found.
+        """
+        return np.maximum(self.lower, self.home - np.pi), np.minimum(self.upper, self.home + np.pi)
+
     def within_limits(self, configuration: Sequence[float] | Array, slack: float = 1e-9) -> bool:
         """Whether a configuration (dof,) respects the joint limits."""
         q = frozen_array(configuration, "configuration", (self.dof,))

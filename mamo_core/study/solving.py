@@ -15,12 +15,7 @@ from mamo_core.config import Located
 from mamo_core.errors import WorkerCrashedError
 from mamo_core.plan_file import PlanDocument, plan_text
 from mamo_core.plugins import Registry, discover
-from mamo_core.problems import (
-    generate_shelf,
-    generate_tabletop,
-    problem_document,
-    problem_from_document,
-)
+from mamo_core.problems import generate_shelf, problem_document, problem_from_document
 from mamo_core.recipe_sets import chosen_recipe
 from mamo_core.recipes import DEFAULT_RECIPE, LoadedRecipe, load_recipe
 from mamo_core.study.code import code_version
@@ -57,7 +52,7 @@ def _first_problem(recipe: LoadedRecipe) -> Problem:
     tasks = _registry().component("search", part.name, part.place).tasks
     if Task.RETRIEVE in tasks:
         return generate_shelf(movables=3, seed=1)
-    return generate_tabletop(movables=3, immovables=1, seed=1)
+    return problems.generate_workspace("tabletop", movables=3, immovables=1, seed=1)
 
 
 def get_ready_to_classify(code: str) -> None:

@@ -4,6 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from mamo_planners.baselines.dogar import Dogar
+from mamo_planners.baselines.options import DogarOptions
 from mamo_planners.search.execution import Execution
 from mamo_planners.search.fresh import fresh_engines
 from mamo_planners.search.greedy import GreedySearch
@@ -25,6 +27,7 @@ from mamo_core.testing.transition_cases import standard_constraints
 from mamo_core.types.geometry import make_pose
 from mamo_core.types.mapf import MAPFSolution, MAPFStatus
 from mamo_core.types.motion import Motion
+from mamo_core.types.region import SweptRegion
 from mamo_core.types.solution import Budget
 from mamo_core.verify import VerifyReport
 
@@ -69,6 +72,18 @@ class NoCollisions(CollisionChecker):
         return FreeWorld()
 
 
+class ArmSweepsNothing(NoCollisions):
+    """Regions with the cells of ``StraightRetrieval``'s."""
+
+    def __init__(self, problem):
+        region = StraightRetrieval(problem).swept_region(problem.initial, None)
+        empty = np.full_like(region.lowest, np.inf)
+        self._region = SweptRegion(region.origin, region.resolution, empty, region.floor)
+
+    def swept_region(self, path, *, opening, held=None):
+        return self._region
+
+
 class StraightArm(ArmPlanner):
     def plan(self, start, goals, world, rng, *, max_checks=None):
         return ArmPlan(ArmPlanStatus.SOLVED, np.stack([start, goals[0]]), 0, 1)
@@ -88,7 +103,11 @@ def best_first(parts, options):
     return RearrangementSearch(parts, order_of(chosen), chosen)
 
 
-KINDS = {"greedy": greedy, "depth_first": depth_first, "best_first": best_first}
+def dogar(parts, options):
+    return Dogar(parts, ArmSweepsNothing(parts.problem), DogarOptions(**options))
+
+
+KINDS = {"dogar": dogar, "greedy": greedy, "depth_first": depth_first, "best_first": best_first}
 
 
 class Search:

@@ -22,9 +22,8 @@ class ChainKinematics(Kinematics):
         self._chain = chain_arrays(arm, matrix_from_pose(scene.T_world_base))
         self._home = np.array(arm.home)
         self._options = options
-        # Beyond a full turn nothing new is found: sample near home there.
-        self._low = np.maximum(arm.lower, self._home - np.pi)
-        self._range = np.minimum(arm.upper, self._home + np.pi) - self._low
+        self._low, high = arm.around_home
+        self._range = high - self._low
 
     def forward(self, configuration: Array) -> Array:
         T = np.zeros((4, 4))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus
+from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus, free_goals
 from mamo_core.interfaces.collision_checker import CollisionWorld
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array, IntArray
@@ -22,8 +22,7 @@ class RRTConnect(ArmPlanner):
 
     def __init__(self, arm: ArmModel, options: RRTConnectOptions) -> None:
         self._options = options
-        self._low = np.maximum(arm.lower, arm.home - np.pi)
-        self._high = np.minimum(arm.upper, arm.home + np.pi)
+        self._low, self._high = arm.around_home
 
     def plan(
         self,
@@ -39,11 +38,9 @@ class RRTConnect(ArmPlanner):
         checks = np.zeros(1, dtype=np.int64)
         limit = self._options.max_checks if max_checks is None else max_checks
         checks[0] = 1 + len(goals)
-        if not world.free(start)[0]:
-            return ArmPlan(ArmPlanStatus.START_BLOCKED, None, -1, 1)
-        open_goals = np.flatnonzero(world.free(goals)) if len(goals) else np.zeros(0, dtype=int)
-        if not open_goals.size:
-            return ArmPlan(ArmPlanStatus.GOALS_BLOCKED, None, -1, int(checks[0]))
+        open_goals = free_goals(start, goals, world)
+        if isinstance(open_goals, ArmPlan):
+            return open_goals
         trees = _trees(start, goals[open_goals], min(limit // 2, _MOST_NODES))
         arrays = (world.chain, world.spheres, world.world)
         low = np.minimum(self._low, np.minimum(start, goals.min(axis=0)))

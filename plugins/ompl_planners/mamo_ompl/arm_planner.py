@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus
+from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus, free_goals
 from mamo_core.interfaces.collision_checker import CollisionWorld
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array
@@ -31,8 +31,7 @@ class OmplArmPlanner(ArmPlanner):
     def __init__(self, arm: ArmModel, kind: Kind, options: OmplOptions) -> None:
         quiet()
         self._kind, self._options = kind, options
-        self._low = np.maximum(arm.lower, arm.home - np.pi)
-        self._high = np.minimum(arm.upper, arm.home + np.pi)
+        self._low, self._high = arm.around_home
 
     def plan(
         self,
@@ -44,12 +43,10 @@ class OmplArmPlanner(ArmPlanner):
         max_checks: int | None = None,
     ) -> ArmPlan:
         limit = self._options.max_checks if max_checks is None else max_checks
-        if not world.free(start[None])[0]:
-            return ArmPlan(ArmPlanStatus.START_BLOCKED, None, -1, 1)
-        usable = np.flatnonzero(world.free(goals)) if len(goals) else np.zeros(0, dtype=int)
+        usable = free_goals(start, goals, world)
+        if isinstance(usable, ArmPlan):
+            return usable
         work = Work(world, limit, spent=1 + len(goals))
-        if not usable.size:
-            return ArmPlan(ArmPlanStatus.GOALS_BLOCKED, None, -1, work.checks)
         path = self._path(start, goals[usable], work, rng)
         if path is None:
             return ArmPlan(ArmPlanStatus.EXHAUSTED, None, -1, work.checks)

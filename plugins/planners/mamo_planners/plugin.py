@@ -298,7 +298,9 @@ def mamo_commands() -> Iterable[Component]:
 
 
 def warm_up() -> None:
-    """Compile the MAPF kernels (or read them from numba's cache)."""
-    from mamo_planners.mapf import warm_up as compile_all
+    """Compile the kernels of MAPF and of SPAMP's heuristic (or read them from numba's cache)."""
+    from mamo_planners.mapf import warm_up as compile_mapf
+    from mamo_planners.reaching.distance_field import warm_up as compile_field
 
-    compile_all()
+    compile_mapf()
+    compile_field()

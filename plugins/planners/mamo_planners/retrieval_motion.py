@@ -7,15 +7,13 @@ import numpy as np
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.robots.grasps import widths_between_fingers
 from mamo_core.robots.model import ArmModel
-from mamo_core.robots.timing import interpolated, time_path
 from mamo_core.types.geometry import Array, matrix_from_pose
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.problem import Grasp, Problem
 from mamo_planners.grasp_candidates import Candidate
 from mamo_planners.options import RetrievalOptions
+from mamo_planners.tool_timing import GRIPPER_TIME, timed_for_tool
 
-_GRIPPER_TIME = 0.5
-_TOOL_SPEED_STEP = 0.1
 _ROOMY, _SLOWEST = 0.004, 0.3
 """Beside the target, m, from which the hand goes at full speed, and the least share of it."""
 
@@ -34,7 +32,7 @@ class RetrievalMotion:
         """Open at home, go to the pre-grasp along ``transit`` (k, dof), take out the target."""
         opening = chosen.grasp.opening
         home = np.stack([self._problem.home, self._problem.home])
-        opened = Trajectory(np.array([0.0, _GRIPPER_TIME]), home)
+        opened = Trajectory(np.array([0.0, GRIPPER_TIME]), home)
         gone = self._timed(transit, np.inf)
         return Motion(
             (
@@ -82,13 +80,11 @@ class RetrievalMotion:
 
     def _timed(self, path: Array, speed: float, T_tool_point: Array | None = None) -> Trajectory:
         """No faster than ``speed`` (m/s) at the tool, or at a point of it."""
-        if np.isfinite(speed):
-            path = interpolated(path, _TOOL_SPEED_STEP)
-        T = np.eye(4) if T_tool_point is None else T_tool_point
-        return time_path(
+        return timed_for_tool(
             path,
-            self._arm.velocity,
-            scale=self._options.joint_speed,
-            tool_positions=np.array([(self._kinematics.forward(q) @ T)[:3, 3] for q in path]),
+            self._arm,
+            self._kinematics,
+            joint_speed=self._options.joint_speed,
             tool_speed=speed,
+            T_tool_point=T_tool_point,
         )

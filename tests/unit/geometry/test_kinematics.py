@@ -24,7 +24,7 @@ def chain(name, base=BASE):
 
 def random_configurations(arm, count, seed=0):
     rng = np.random.default_rng(seed)
-    low, high = np.maximum(arm.lower, arm.home - np.pi), np.minimum(arm.upper, arm.home + np.pi)
+    low, high = arm.around_home
     return rng.uniform(low, high, (count, arm.dof))
 
 

@@ -15,7 +15,7 @@ from mamo_core.types.geometry import invert, make_pose, matrix_from_pose, tool_m
 def configurations(arm, reaching):
     """3,000: anywhere, in the shelf, and around there."""
     rng = np.random.default_rng(0)
-    low, high = np.maximum(arm.lower, arm.home - np.pi), np.minimum(arm.upper, arm.home + np.pi)
+    low, high = arm.around_home
     anywhere = rng.uniform(low, high, (1_000, arm.dof))
     chosen = reaching[rng.integers(len(reaching), size=2_000)]
     return np.vstack([anywhere, chosen + rng.uniform(-0.1, 0.1, chosen.shape)])

@@ -272,3 +272,45 @@ def test_no_segment_is_empty(reaching):
     assert solution.statistics.counts["expansions"] == 1
     assert all(s.trajectory.duration > 0.0 for s in solution.plan.retrieval.segments)
     assert not np.array_equal(solution.plan.retrieval.end, HOME)
+
+
+class TestBeyondTheThesis:
+    def test_the_arm_planner_leads_to_valid_subgoals(self, solved):
+        solution, _ = solved(SCENES["by_pushing"], connect=True)
+        assert solution.plan is not None
+        assert solution.statistics.seconds["arm_planning"] > 0.0
+        assert not solution.statistics.counts["expansions"]
+
+    def test_without_a_way_the_search_goes_on(self, solved):
+        solution, _ = solved(SCENES["by_pushing"], connect=False)
+        assert solution.plan is not None
+        assert "arm_planning" not in solution.statistics.seconds
+        assert solution.statistics.counts["expansions"]
+
+    def test_delta_grows_with_the_rounds_up_to_the_widest(self, solved, monkeypatch):
+        seen = []
+
+        def none(run, via):
+            seen.append(run.primitives.delta)
+            return []
+
+        monkeypatch.setattr("mamo_planners.reaching.spamp.Run._subgoals", none)
+        solved(reach_without_room(), rounds=4, expansions=1, delta=0.2, growth=0.5, widest=0.35)
+        assert seen == pytest.approx([0.2, 0.3, 0.35, 0.35])
+
+    def test_primitives_bend_from_the_second_round_on(self, solved):
+        bent = {}
+        for via in (0.0, 1.0):
+            scene = reach_without_room()
+            _, world = solved(scene, rounds=2, expansions=1, samples=4, via=via)
+            (engine,) = world.engines
+            bent[via] = any(turns(m.segments[-1].trajectory.positions) for m in engine.motions)
+        assert bent == {0.0: False, 1.0: True}
+
+
+def turns(positions):
+    """Whether the way (k, dof) is not one straight line."""
+    ways = np.diff(positions, axis=0)
+    ways = ways[np.linalg.norm(ways, axis=1) > 1e-9]
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    return bool((np.abs(ways - ways[0]) > 1e-6).any())

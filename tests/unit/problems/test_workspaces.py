@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
 
 from mamo_core.errors import InputError
 from mamo_core.problems import (
-    generate_refrigerator,
-    generate_tabletop,
     generate_workspace,
     problem_document,
     problem_from_document,
@@ -25,7 +24,9 @@ from mamo_core.types.problem import Problem, Task
 from mamo_core.types.scene import Mobility
 
 Generate = Callable[..., Problem]
-BOTH = pytest.mark.parametrize("generate", [generate_tabletop, generate_refrigerator])
+tabletop = partial(generate_workspace, "tabletop")
+refrigerator = partial(generate_workspace, "refrigerator")
+BOTH = pytest.mark.parametrize("generate", [tabletop, refrigerator])
 
 
 @BOTH
@@ -36,9 +37,9 @@ def test_the_same_seed_gives_the_same_problem(generate: Generate) -> None:
 
 
 def test_names_tell_workspace_numbers_and_seed() -> None:
-    assert generate_tabletop(seed=4).name == "tabletop_6_6_seed4"
-    assert generate_tabletop(seed=4, movables=8).name == "tabletop_8_6_seed4"
-    assert generate_refrigerator(seed=4, immovables=1).name == "refrigerator_3_1_seed4"
+    assert tabletop(seed=4).name == "tabletop_6_6_seed4"
+    assert tabletop(seed=4, movables=8).name == "tabletop_8_6_seed4"
+    assert refrigerator(seed=4, immovables=1).name == "refrigerator_3_1_seed4"
 
 
 @pytest.mark.parametrize(
@@ -58,7 +59,7 @@ def test_scenes_are_valid_and_as_asked_for(workspace: str, movables: int, immova
 @BOTH
 def test_numbers_default_to_those_of_the_thesis(generate: Generate) -> None:
     kinds = [item.mobility for item in generate(seed=0).scene.objects]
-    expected = {generate_tabletop: (6, 6), generate_refrigerator: (3, 2)}[generate]
+    expected = {tabletop: (6, 6), refrigerator: (3, 2)}[generate]
     movables = kinds.count(Mobility.MOVABLE)
     assert (movables, len(kinds) - movables) == expected
 
@@ -121,12 +122,12 @@ def test_scenes_out_of_reach_are_drawn_anew() -> None:
         seen.append(problem)
         return None if len(seen) < 3 else 4
 
-    assert generate_tabletop(seed=0, classify=classify) is seen[2]
+    assert tabletop(seed=0, classify=classify) is seen[2]
 
 
 def test_giving_up_says_what_was_found() -> None:
     with pytest.raises(InputError) as caught:
-        generate_refrigerator(seed=0, classify=lambda problem: None, max_draws=3)
+        refrigerator(seed=0, classify=lambda problem: None, max_draws=3)
     assert str(caught.value) == (
         "refrigerator_3_2_seed0: none of 3 scenes fits (movables in the way, by scene: target out "
         "of reach x3); try another seed or number of movables"
@@ -144,7 +145,7 @@ def test_giving_up_says_what_was_found() -> None:
 )
 def test_bad_requests(arguments: dict[str, int], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        generate_tabletop(**{"seed": 0, **arguments})
+        tabletop(**{"seed": 0, **arguments})
 
 
 def test_an_unknown_workspace() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mamo_core.problems import generate_shelf, generate_tabletop
+from mamo_core.problems import generate_shelf, generate_workspace
 from mamo_core.testing.transition_cases import gantry_cases
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.problem import Problem
@@ -74,7 +74,7 @@ def test_without_a_plan_there_are_no_arrows(problem: Problem, tmp_path: Path) ->
 
 
 def test_reaches(tmp_path: Path) -> None:
-    reach = generate_tabletop(seed=0)
+    reach = generate_workspace("tabletop", seed=0)
     draw(reach, tmp_path / "p.png")
     assert has_color(pixels(tmp_path / "p.png"), GOAL, 50), "the pre-grasp pose"
     assert not has_color(pixels(tmp_path / "p.png"), WALL, 2000), "a table has no walls"

@@ -18,12 +18,11 @@ from mamo_planners.reaching.lattice import Cell, Lattice
 from mamo_planners.reaching.motions import Motions
 from mamo_planners.reaching.queues import Queues
 from mamo_planners.reaching.scenery import Scenery
+from mamo_planners.reaching.soft_duplicates import SoftDuplicates, inflated
 from mamo_planners.reaching.stand import ReachingParts
 from mamo_planners.reaching.work import Work
 from mamo_planners.search.rollouts import Rollouts
 from mamo_planners.search.stand import Engine, Line
-
-_INFLATION = 10.0
 
 Key = tuple[Cell, tuple[int, ...]]
 """The arm's cell, and where the relevant objects are."""
@@ -69,7 +68,7 @@ class SelectivePlanning:
         self._explored: Explored[Key] = Explored()
         self._states: list[SceneState] = []
         self._work = Work()
-        self._failed: list[Array] = []
+        self._duplicates = SoftDuplicates(options.beta)
         self._put_off: set[int] = set()
 
     def solve(self, rng: np.random.Generator) -> Planned | None:
@@ -94,7 +93,8 @@ class SelectivePlanning:
         cells = self._lattice.successors(self._explored.keys[state][0])
         ends = np.array([self._lattice.configuration(cell) for cell in cells])
         tried = ends if goal is None else np.vstack([ends, goal.configuration])
-        if self._is_duplicate(state, q) and not self._free_of_relevant(state, tried).all():
+        is_new = state not in self._put_off
+        if is_new and self._duplicates.near(q) and not self._free_of_relevant(state, tried).all():
             self._put_off_from(queue, state, q)
             return None
         if goal is not None and self._moved(state, goal.configuration[None, :])[0] is not None:
@@ -113,8 +113,8 @@ class SelectivePlanning:
     def _put_off_from(self, queue: int, state: int, q: Array) -> None:
         self._statistics.counts["soft_duplicates"] += 1
         self._put_off.add(state)
-        inflated = _INFLATION * max(self._heuristics(q)[queue], 1.0)
-        self._queues.push_into(queue, state, self._explored.costs[state], inflated)
+        put_off = inflated(self._heuristics(q)[queue])
+        self._queues.push_into(queue, state, self._explored.costs[state], put_off)
 
     def _moved(self, state: int, ends: Array) -> list[SceneState | None]:
         """What straight motions from a state to ``ends`` (k, dof) lead to; None: not valid."""
@@ -146,15 +146,9 @@ class SelectivePlanning:
         self._work.simulated(result.steps)
         self._statistics.counts["steps"] += result.steps
         if not result.valid:
-            self._failed.append(q)
+            self._duplicates.failed(q)
             return None
         return result.final_state.with_joints(end)
-
-    def _is_duplicate(self, state: int, q: Array) -> bool:
-        beta = self._options.beta
-        if beta is None or not self._failed or state in self._put_off:
-            return False
-        return bool((np.linalg.norm(np.array(self._failed) - q, axis=1) < beta).any())
 
     def _add(self, cell: Cell, q: Array, after: SceneState, parent: int) -> None:
         key = (cell, self._placed(after))

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus
+from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus, free_goals
 from mamo_core.interfaces.collision_checker import CollisionWorld
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.robots.model import ArmModel
@@ -45,11 +45,9 @@ class MultiHeuristicAStar(ArmPlanner):
         *,
         max_checks: int | None = None,
     ) -> ArmPlan:
-        if not world.free(start)[0]:
-            return ArmPlan(ArmPlanStatus.START_BLOCKED, None, -1, 1)
-        free = np.flatnonzero(world.free(goals)) if len(goals) else np.zeros(0, dtype=np.int64)
-        if not free.size:
-            return ArmPlan(ArmPlanStatus.GOALS_BLOCKED, None, -1, 1 + len(goals))
+        free = free_goals(start, goals, world)
+        if isinstance(free, ArmPlan):
+            return free
         limit = self._options.max_checks if max_checks is None else max_checks
         search = _Query(self, start, goals[free], world)
         found = search.solve(limit)

@@ -76,6 +76,11 @@ def _half_extents(solid: Shape) -> Array:
     return np.array([solid.radius, solid.radius, solid.height / 2.0])
 
 
+def warm_up() -> None:
+    """Compile the kernel (or read it from numba's cache)."""
+    DistanceField(np.zeros(3), np.full(3, 0.1), 0.1, [], 0.0).spread_from(np.zeros((1, 3)))
+
+
 @njit(cache=True)
 def spread(blocked: BoolArray, sources: IntArray, chamfer: IntArray, costs: IntArray) -> None:
     """Dijkstra with buckets (Dial, 1969) over 26 neighbours; fills ``costs`` of what is reached.

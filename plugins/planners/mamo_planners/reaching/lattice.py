@@ -21,11 +21,7 @@ class Lattice:
         steps[:_LARGE_JOINTS] = np.radians(large_deg)
         self.steps = steps
         self._start = np.array(start)
-        # Joints without limits are not turned round and round.
-        lower, upper = (
-            np.maximum(arm.lower, arm.home - np.pi),
-            np.minimum(arm.upper, arm.home + np.pi),
-        )
+        lower, upper = arm.around_home
         self._least = np.minimum(np.ceil((lower - self._start) / steps), 0.0).astype(np.int64)
         self._most = np.maximum(np.floor((upper - self._start) / steps), 0.0).astype(np.int64)
         eye = np.eye(arm.dof, dtype=np.int64)

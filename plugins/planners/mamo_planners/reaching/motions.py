@@ -6,13 +6,11 @@ import numpy as np
 
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.robots.model import ArmModel
-from mamo_core.robots.timing import interpolated, time_path
+from mamo_core.robots.timing import time_path
 from mamo_core.types.geometry import Array
 from mamo_core.types.motion import MotionSegment, SegmentKind, Trajectory
 from mamo_planners.reaching.options import MotionOptions
-
-_GRIPPER_TIME = 0.5
-_TOOL_SPEED_STEP = 0.1
+from mamo_planners.tool_timing import GRIPPER_TIME, timed_for_tool
 
 
 class Motions:
@@ -26,7 +24,7 @@ class Motions:
 
     def opened(self, q: Array) -> MotionSegment:
         """The hand opens, the arm at ``q`` (dof,)."""
-        still = Trajectory(np.array([0.0, _GRIPPER_TIME]), np.stack([q, q]))
+        still = Trajectory(np.array([0.0, GRIPPER_TIME]), np.stack([q, q]))
         return MotionSegment(SegmentKind.GRIPPER, still, self._opening, contact_free=True)
 
     def transit(self, path: Array) -> MotionSegment:
@@ -36,12 +34,11 @@ class Motions:
 
     def sweep(self, path: Array) -> MotionSegment:
         """A path (k, dof) on which the arm may push movables: the tool keeps to its speed."""
-        rows = interpolated(path, _TOOL_SPEED_STEP)
-        timed = time_path(
-            rows,
-            self._arm.velocity,
-            scale=self._options.joint_speed,
-            tool_positions=np.array([self._kinematics.forward(q)[:3, 3] for q in rows]),
+        timed = timed_for_tool(
+            path,
+            self._arm,
+            self._kinematics,
+            joint_speed=self._options.joint_speed,
             tool_speed=self._options.sweep_speed,
         )
         settle = self._options.settle

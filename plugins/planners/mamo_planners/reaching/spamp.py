@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
-from dataclasses import dataclass
-
 import numpy as np
 
 from mamo_core.interfaces.search_strategy import ProgressCallback, SearchStrategy
@@ -12,18 +9,16 @@ from mamo_core.types.geometry import Array
 from mamo_core.types.motion import MotionSegment
 from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus, Statistics
 from mamo_planners.reaching.amp import Primitive, Primitives
-from mamo_planners.reaching.explored import Explored
 from mamo_planners.reaching.goals import Goals
-from mamo_planners.reaching.lattice import Cell, Lattice
+from mamo_planners.reaching.lattice import Lattice
 from mamo_planners.reaching.motions import Motions
 from mamo_planners.reaching.options import SpampOptions
-from mamo_planners.reaching.queues import Queues
 from mamo_planners.reaching.scenery import Scenery, look_at
 from mamo_planners.reaching.shortcuts import straightened
+from mamo_planners.reaching.soft_duplicates import SoftDuplicates
+from mamo_planners.reaching.spamp_search import Subgoal, SubgoalSearch
 from mamo_planners.reaching.stand import Executions, ReachingParts
 from mamo_planners.reaching.work import Work
-
-_INFLATION = 10.0
 
 
 class Spamp(SearchStrategy):
@@ -43,7 +38,7 @@ class Spamp(SearchStrategy):
             return Solution(SolutionStatus.BUDGET_EXHAUSTED, None, statistics, words)
         with statistics.timed("heuristic"):
             scenery = look_at(parts, goals, self._options)
-        run = _Run(parts, self._options, scenery, statistics, budget, rng)
+        run = Run(parts, self._options, scenery, statistics, budget, rng)
         for number in range(self._options.rounds):
             progress(f"round {number + 1}")
             statistics.counts["rounds"] += 1
@@ -56,17 +51,8 @@ class Spamp(SearchStrategy):
         return Solution(SolutionStatus.BUDGET_EXHAUSTED, None, statistics, why)
 
 
-@dataclass(frozen=True, eq=False)
-class _Subgoal:
-    """A primitive and the cell it begins in; ``valid``: Phase 2 valid (Definition 2)."""
-
-    cell: Cell
-    primitive: Primitive
-    valid: bool
-
-
-class _Run:
-    """One call of ``solve``; ``failed`` primitives are remembered from round to round."""
+class Run:
+    """One call of ``solve``; primitives that failed are remembered from round to round."""
 
     def __init__(
         self,
@@ -95,7 +81,7 @@ class _Run:
             options.delta,
         )
         self.work = Work()
-        self.failed: list[Array] = []
+        self.duplicates = SoftDuplicates(options.beta)
 
     def round(self, number: int) -> Plan | None:
         """Algorithm 2: subgoals, then the search they guide."""
@@ -108,8 +94,10 @@ class _Run:
         if plan is not None:
             return plan
         any_valid = any(subgoal.valid for subgoal in subgoals)
-        simulate_from = began + self.options.t_sim if any_valid else began
-        return _Search(self, subgoals, simulate_from).solve(luby(number) * self.options.expansions)
+        simulate_from = began + options.t_sim if any_valid else began
+        return SubgoalSearch(self, subgoals, simulate_from).solve(
+            luby(number) * self.options.expansions
+        )
 
     def valid(self, primitive: Primitive) -> bool:
         """Phase 2: simulate what may touch movables; what fails is remembered."""
@@ -120,15 +108,8 @@ class _Run:
         valid = self.executions.alone(self.motions.sweep(primitive.path))
         self.work.simulated(self.statistics.counts["steps"] - steps)
         if not valid:
-            self.failed.append(primitive.start)
+            self.duplicates.failed(primitive.start)
         return valid
-
-    def is_duplicate(self, q: Array) -> bool:
-        """Whether a primitive that failed began within beta of ``q`` (dof,) (3.3.6)."""
-        beta = self.options.beta
-        if beta is None or not self.failed:
-            return False
-        return bool((np.linalg.norm(np.array(self.failed) - q, axis=1) < beta).any())
 
     def planned(self, way: Array, primitive: Primitive) -> Plan | None:
         """The plan that goes along ``way`` (k, dof) and ends with the primitive, if it holds."""
@@ -157,10 +138,10 @@ class _Run:
                 else None
             )
         if plan is None:
-            self.failed.append(primitive.start)
+            self.duplicates.failed(primitive.start)
         return plan
 
-    def _connected(self, subgoals: list[_Subgoal]) -> Plan | None:
+    def _connected(self, subgoals: list[Subgoal]) -> Plan | None:
         """The way to a valid subgoal that the arm planner finds; one that does not do is left."""
         left = [subgoal for subgoal in subgoals if subgoal.valid]
         while left:
@@ -176,16 +157,16 @@ class _Run:
             subgoals.remove(subgoal)
         return None
 
-    def _subgoals(self, via: float) -> list[_Subgoal]:
+    def _subgoals(self, via: float) -> list[Subgoal]:
         """N of M primitives, valid ones first (GetValidSubgoals of Algorithm 2)."""
         options = self.options
         if not options.subgoals:
             return []
-        drawn: list[_Subgoal] = []
+        drawn: list[Subgoal] = []
         for primitive in self.primitives.drawn(self.rng, self._rounded, via):
             cell = self.lattice.nearest(primitive.start)
             valid = not primitive.interacts or (options.simulate_samples and self.valid(primitive))
-            drawn.append(_Subgoal(cell, primitive, valid))
+            drawn.append(Subgoal(cell, primitive, valid))
             if len(drawn) >= options.samples or self.budget.exhausted:
                 break
         self.statistics.counts["drawn_primitives"] += len(drawn)
@@ -205,114 +186,3 @@ def luby(number: int) -> int:
     if number == (1 << power) - 1:
         return 1 << (power - 1)
     return luby(number - (1 << (power - 1)) + 1)
-
-
-class _Search:
-    """Algorithm 3 under some subgoals."""
-
-    def __init__(self, run: _Run, subgoals: list[_Subgoal], simulate_from: float) -> None:
-        self._run, self._subgoals, self._simulate_from = run, subgoals, simulate_from
-        options = run.options
-        self._queues = Queues(1 + len(subgoals), options.w1, options.w2)
-        self._explored: Explored[Cell] = Explored()
-        self._put_off: set[int] = set()
-        self._waiting: list[tuple[float, int, Primitive]] = []
-
-    def solve(self, expansions: int) -> Plan | None:
-        """A verified plan; None when all is expanded or a limit is reached."""
-        run = self._run
-        self._insert([run.lattice.start], np.array([run.start]), -1)
-        for _ in range(expansions):
-            if run.budget.exhausted:
-                return None
-            plan = self._simulate_waiting()
-            if plan is not None:
-                return plan
-            popped = self._queues.pop()
-            if popped is None:
-                if not self._waiting:
-                    return None
-                self._simulate_from = 0.0
-                continue
-            before = run.work.seconds
-            plan = self._expand(*popped)
-            self._queues.spend(popped[1], run.work.seconds - before)
-            if plan is not None:
-                return plan
-        return None
-
-    def _expand(self, state: int, queue: int) -> Plan | None:
-        run = self._run
-        run.work.expanded()
-        run.statistics.counts["expansions"] += 1
-        if state not in self._put_off:
-            plan = self._to_subgoal(state)
-            if plan is not None:
-                return plan
-            self._successors(state)
-        q = self._explored.configurations[state]
-        if not run.primitives.begins_at(q):
-            return None
-        if state not in self._put_off and run.is_duplicate(q):
-            run.statistics.counts["soft_duplicates"] += 1
-            self._put_off.add(state)
-            # Also where a subgoal begins, to which the heuristic is 0.
-            inflated = _INFLATION * max(self._heuristics(q)[queue], 1.0)
-            self._queues.push_into(queue, state, self._explored.costs[state], inflated)
-            return None
-        primitive = run.primitives.to_goal(q, run.rng)
-        if primitive is None:
-            return None
-        if not primitive.interacts:
-            return run.planned(self._explored.way(state), primitive)
-        key = self._explored.costs[state] + run.options.w1 * self._heuristics(q)[0]
-        heapq.heappush(self._waiting, (key, state, primitive))
-        return self._simulate_waiting()
-
-    def _to_subgoal(self, state: int) -> Plan | None:
-        """Line 8 of Algorithm 3, or the straight motion to a valid subgoal."""
-        run, q = self._run, self._explored.configurations[state]
-        for subgoal in [s for s in self._subgoals if s.valid]:
-            there = self._explored.keys[state] == subgoal.cell
-            start = subgoal.primitive.start
-            if not there and run.options.snap:
-                there = bool(run.scenery.everything.edges_free(q[None, :], start[None, :])[0])
-            if there:
-                plan = run.planned(self._explored.way(state), subgoal.primitive)
-                if plan is not None:
-                    return plan
-                self._subgoals.remove(subgoal)
-        return None
-
-    def _simulate_waiting(self) -> Plan | None:
-        """The best primitive of those that wait, once simulations are allowed."""
-        run = self._run
-        if not self._waiting or run.work.seconds < self._simulate_from:
-            return None
-        _, state, primitive = heapq.heappop(self._waiting)
-        return run.planned(self._explored.way(state), primitive) if run.valid(primitive) else None
-
-    def _successors(self, state: int) -> None:
-        run = self._run
-        cells = [
-            c for c in run.lattice.successors(self._explored.keys[state]) if c not in self._explored
-        ]
-        if not cells:
-            return
-        ends = np.array([run.lattice.configuration(cell) for cell in cells])
-        starts = np.repeat(self._explored.configurations[state][None, :], len(cells), axis=0)
-        free = run.scenery.everything.edges_free(starts, ends)
-        self._insert([c for c, ok in zip(cells, free, strict=True) if ok], ends[free], state)
-
-    def _insert(self, cells: list[Cell], configurations: Array, parent: int) -> None:
-        for cell, q in zip(cells, configurations, strict=True):
-            number = self._explored.add(cell, q, parent)
-            self._queues.push(number, self._explored.costs[number], self._heuristics(q))
-
-    def _heuristics(self, q: Array) -> list[float]:
-        """Primitives still to go: around obstacles for the tool, and straight to each subgoal."""
-        run = self._run
-        anchor = run.scenery.primitives_to_go(run.kinematics.forward(q)[:3, 3])
-        step = float(run.lattice.steps.max())
-        away = [float(np.linalg.norm(q - s.primitive.start)) / step for s in self._subgoals]
-        return [anchor, *away]

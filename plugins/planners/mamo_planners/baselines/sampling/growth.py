@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Budget, Plan, Statistics
@@ -54,7 +53,7 @@ class Growth:
     ) -> None:
         self.options, self.goals, self.rng = options, goals, rng
         self.kinematics, self.statistics = parts.kinematics, statistics
-        self.low, self.high = joint_range(parts.arm)
+        self.low, self.high = parts.arm.around_home
         self._start = parts.problem.initial.joint_positions
         self._budget = budget
         self._motions = Motions(parts.arm, parts.kinematics, options, goals.opening)
@@ -107,11 +106,6 @@ class Growth:
             transit = self._motions.transit(straightened(node.way, world))
             node.arrived = self._executions.after(node.stand, transit)
         return node.arrived
-
-
-def joint_range(arm: ArmModel) -> tuple[Array, Array]:
-    """Lowest and highest positions (dof,) that are drawn: half a turn around home at most."""
-    return np.maximum(arm.lower, arm.home - np.pi), np.minimum(arm.upper, arm.home + np.pi)
 
 
 def strided(start: Array, end: Array, stride: float) -> Array:
