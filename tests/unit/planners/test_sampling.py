@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from mamo_planners.baselines.sampling.components import components
-from mamo_planners.baselines.sampling.growth import joint_range, strided
+from mamo_planners.baselines.sampling.growth import strided
 from mamo_planners.reaching.stand import ReachingParts
 
 from mamo_core.constraints.standard import ContactConstraint
@@ -245,6 +245,6 @@ def test_strides():
 
 def test_joints_without_limits_turn_half_a_turn(arm):
     loose = replace(arm, lower=np.full(4, -100.0), upper=np.full(4, 100.0), home=np.ones(4))
-    low, high = joint_range(loose)
+    low, high = loose.around_home
     np.testing.assert_allclose(high - low, 2 * np.pi)
     np.testing.assert_allclose((high + low) / 2, 1.0)

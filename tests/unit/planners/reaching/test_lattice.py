@@ -1,6 +1,6 @@
 """The lattice: whole steps from the start, within limits."""
 
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +13,9 @@ LARGE, SMALL = np.radians(7.0), np.radians(4.0)
 
 def arm(lower=-1.0, upper=1.0, dof=7, home=0.0):
     sizes = {"lower": lower, "upper": upper, "home": home}
-    return SimpleNamespace(dof=dof, **{k: np.full(dof, float(v)) for k, v in sizes.items()})
+    names = tuple(f"joint_{k}" for k in range(dof))
+    values = {k: np.full(dof, float(v)) for k, v in sizes.items()}
+    return replace(gantry_arm(), joint_names=names, **values)
 
 
 def lattice_of(start=None, **limits):
