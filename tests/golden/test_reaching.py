@@ -61,9 +61,9 @@ def test_spamp_in_rounds(reaching):
         "drawn_primitives": 24,
         "simulated_primitives": 24,
         "rollouts": 24,
-        "steps": 1376,
+        "steps": 1935,
         "expansions": 80,
-        "soft_duplicates": 50,
+        "soft_duplicates": 46,
     }
     assert solution.statistics.causes == {
         "a/reach/contact": 22,

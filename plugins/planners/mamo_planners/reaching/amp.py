@@ -12,35 +12,32 @@ from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.types.geometry import Array
 from mamo_planners.reaching.distance_field import DistanceField
 from mamo_planners.reaching.goals import Goal, Goals
+from mamo_planners.reaching.primitive import Primitive
+from mamo_planners.reaching.promising import Promising
 
 Rounding = Callable[[Array], Array]
 """Moves a configuration (dof,) to the nearest that the search can get to."""
 
 _TRIES = 240
 _LARGEST_TURN = 0.6
+_VARIATION = 0.1
+"""Standard deviation of what joints are varied by, rad."""
+_SAME_GOAL = 0.5
 
 
-@dataclass(frozen=True, eq=False)
-class Primitive:
-    """A Phase 1 valid motion along ``path`` (k, dof) to a goal.
+@dataclass(frozen=True)
+class Mix:
+    """Shares of the primitives drawn: those that bend; those that vary one that held long."""
 
-    ``interacts``: the arm may meet movables on it, so that only an engine can tell what happens.
-    """
-
-    path: Array
-    goal: Goal
-    interacts: bool
-
-    @property
-    def start(self) -> Array:
-        """Where it begins (dof,)."""
-        return self.path[0]
+    via: float = 0.0
+    vary: float = 0.0
 
 
 class Primitives:
     """Makes primitives in one problem.
 
-    ``fixed``: what must not be touched; ``everything``: all objects at their initial poses.
+    ``fixed``: what must not be touched; ``everything``: all objects at their initial poses;
+    ``promising``: what may be varied.
     """
 
     def __init__(
@@ -50,11 +47,12 @@ class Primitives:
         fixed: CollisionWorld,
         everything: CollisionWorld,
         field: DistanceField,
+        promising: Promising,
         delta: float,
     ) -> None:
         self._kinematics, self._goals = kinematics, goals
         self._fixed, self._everything = fixed, everything
-        self._field, self.delta = field, delta
+        self._field, self._promising, self.delta = field, promising, delta
         """``delta``: how close to a goal primitives begin, m."""
 
     def begins_at(self, q: Array) -> bool:
@@ -66,20 +64,38 @@ class Primitives:
         goal = self._goals.near(q, rng)
         return self._valid(np.stack([q, goal.configuration]), goal)
 
-    def drawn(
-        self, rng: np.random.Generator, rounded: Rounding, via: float = 0.0
-    ) -> Iterator[Primitive]:
-        """Random primitives whose start touches nothing, for as long as tries yield some.
-
-        ``via``: share of those that bend.
-        """
+    def drawn(self, rng: np.random.Generator, rounded: Rounding, mix: Mix) -> Iterator[Primitive]:
+        """Random primitives whose start touches nothing, for as long as tries yield some."""
         for _ in range(_TRIES):
-            for q in map(rounded, self._nearby(rng)):
-                if self.begins_at(q) and self._everything.free(q)[0]:
-                    bent = via > 0.0 and rng.random() < via
-                    primitive = self._bent(q, rng) if bent else self.to_goal(q, rng)
-                    if primitive is not None:
-                        yield primitive
+            model = self._promising.drawn(rng) if _chance(mix.vary, rng) else None
+            if model is not None:
+                primitive = self._varied(model, rounded, rng)
+            else:
+                primitive = self._random(rounded, mix.via, rng)
+            if primitive is not None:
+                yield primitive
+
+    def _random(self, rounded: Rounding, via: float, rng: np.random.Generator) -> Primitive | None:
+        for q in map(rounded, self._nearby(rng)):
+            if self._may_begin(q):
+                return self._bent(q, rng) if _chance(via, rng) else self.to_goal(q, rng)
+        return None
+
+    def _varied(
+        self, model: Primitive, rounded: Rounding, rng: np.random.Generator
+    ) -> Primitive | None:
+        """A primitive like another one, with a bend."""
+        path = model.path
+        middle = path[1] if len(path) > 2 else path[0] + rng.random() * (path[1] - path[0])
+        start, middle = (q + rng.normal(scale=_VARIATION, size=q.shape) for q in (path[0], middle))
+        start = rounded(start)
+        if not self._may_begin(start):
+            return None
+        goal = model.goal if _chance(_SAME_GOAL, rng) else self._goals.near(middle, rng)
+        return self._valid(np.stack([start, middle, goal.configuration]), goal)
+
+    def _may_begin(self, q: Array) -> bool:
+        return self.begins_at(q) and bool(self._everything.free(q)[0])
 
     def _bent(self, q: Array, rng: np.random.Generator) -> Primitive | None:
         """A primitive from ``q`` by a configuration that may be among movables."""
@@ -98,6 +114,10 @@ class Primitives:
         if not self._fixed.edges_free(path[:-1], path[1:]).all():
             return None
         return Primitive(path, goal, not self._everything.edges_free(path[:-1], path[1:]).all())
+
+
+def _chance(share: float, rng: np.random.Generator) -> bool:
+    return share > 0.0 and rng.random() < share
 
 
 def _moved(T: Array, delta: float, rng: np.random.Generator) -> Array:

@@ -30,7 +30,10 @@ class PrimitiveOptions(Options):
     )
     w1: float = Field(100.0, ge=1.0, description="inflation of every heuristic")
     w2: float = Field(
-        2.0, ge=1.0, description="how much worse than the anchor's a queue's best state may be"
+        1e6,
+        ge=1.0,
+        description="how much worse than the anchor's a queue's best state may be; a small one "
+        "starves the other queues once the anchor is near a goal",
     )
 
 
@@ -42,12 +45,6 @@ class ArmLatticeOptions(PrimitiveOptions):
 
 class LatticeOptions(PrimitiveOptions, MotionOptions):
     """A search over primitives whose motions may push."""
-
-    expansions: int = Field(
-        200,
-        ge=1,
-        description="states expanded in the first round; later rounds follow Luby's sequence",
-    )
 
 
 class SpampOptions(LatticeOptions):
@@ -87,6 +84,23 @@ class SpampOptions(LatticeOptions):
         le=1.0,
         description="share of the primitives drawn from the second round on that bend at a "
         "configuration where they may push already (the thesis: 0)",
+    )
+    vary: float = Field(
+        0.5,
+        ge=0.0,
+        le=1.0,
+        description="share of the primitives drawn from the second round on that vary one of which "
+        "much held before it failed (the thesis: 0)",
+    )
+    slow_speed: float = Field(
+        0.1,
+        gt=0.0,
+        description="as sweep_speed, in every second round: what is pushed slowly tips less, m/s",
+    )
+    expansions: int = Field(
+        20,
+        ge=1,
+        description="states expanded in the first round; later rounds follow Luby's sequence",
     )
     widest: float = Field(0.5, gt=0.0, description="delta does not grow beyond this, m")
     connect: bool = Field(

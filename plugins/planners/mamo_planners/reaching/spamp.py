@@ -8,11 +8,13 @@ from mamo_core.interfaces.search_strategy import ProgressCallback, SearchStrateg
 from mamo_core.types.geometry import Array
 from mamo_core.types.motion import MotionSegment
 from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus, Statistics
-from mamo_planners.reaching.amp import Primitive, Primitives
+from mamo_planners.reaching.amp import Mix, Primitives
 from mamo_planners.reaching.goals import Goals
 from mamo_planners.reaching.lattice import Lattice
 from mamo_planners.reaching.motions import Motions
 from mamo_planners.reaching.options import SpampOptions
+from mamo_planners.reaching.primitive import Primitive
+from mamo_planners.reaching.promising import Promising
 from mamo_planners.reaching.scenery import Scenery, look_at
 from mamo_planners.reaching.shortcuts import straightened
 from mamo_planners.reaching.soft_duplicates import SoftDuplicates
@@ -70,14 +72,21 @@ class Run:
         self.lattice = Lattice(
             parts.arm, self.start, options.large_step_deg, options.small_step_deg
         )
-        self.motions = Motions(parts.arm, parts.kinematics, options, scenery.goals.opening)
+        slow = options.model_copy(update={"sweep_speed": options.slow_speed})
+        self._brisk, self._slow = (
+            Motions(parts.arm, parts.kinematics, speeds, scenery.goals.opening)
+            for speeds in (options, slow)
+        )
+        self.motions = self._brisk
         self.executions = Executions(parts, statistics, budget)
+        self.promising = Promising()
         self.primitives = Primitives(
             parts.kinematics,
             scenery.goals,
             scenery.fixed,
             scenery.everything,
             scenery.field,
+            self.promising,
             options.delta,
         )
         self.work = Work()
@@ -85,16 +94,16 @@ class Run:
 
     def round(self, number: int) -> Plan | None:
         """Algorithm 2: subgoals, then the search they guide."""
-        began = self.work.seconds
         options = self.options
+        self.motions = self._slow if number % 2 == 0 else self._brisk
         wider = options.delta * (1.0 + options.growth * (number - 1))
         self.primitives.delta = min(wider, max(options.widest, options.delta))
-        subgoals = self._subgoals(options.via if number > 1 else 0.0)
+        subgoals = self._subgoals(Mix(options.via, options.vary) if number > 1 else Mix())
         plan = self._connected(subgoals) if options.connect else None
         if plan is not None:
             return plan
         any_valid = any(subgoal.valid for subgoal in subgoals)
-        simulate_from = began + options.t_sim if any_valid else began
+        simulate_from = self.work.seconds + (options.t_sim if any_valid else 0.0)
         return SubgoalSearch(self, subgoals, simulate_from).solve(
             luby(number) * self.options.expansions
         )
@@ -105,11 +114,14 @@ class Run:
             return True
         self.statistics.counts["simulated_primitives"] += 1
         steps = self.statistics.counts["steps"]
-        valid = self.executions.alone(self.motions.sweep(primitive.path))
+        sweep = self.motions.sweep(primitive.path)
+        result = self.executions.alone(sweep)
         self.work.simulated(self.statistics.counts["steps"] - steps)
-        if not valid:
+        if not result.valid:
             self.duplicates.failed(primitive.start)
-        return valid
+            held = min(1.0, result.duration / sweep.trajectory.duration)
+            self.promising.failed(primitive, held)
+        return result.valid
 
     def planned(self, way: Array, primitive: Primitive) -> Plan | None:
         """The plan that goes along ``way`` (k, dof) and ends with the primitive, if it holds."""
@@ -157,13 +169,13 @@ class Run:
             subgoals.remove(subgoal)
         return None
 
-    def _subgoals(self, via: float) -> list[Subgoal]:
+    def _subgoals(self, mix: Mix) -> list[Subgoal]:
         """N of M primitives, valid ones first (GetValidSubgoals of Algorithm 2)."""
         options = self.options
-        if not options.subgoals:
+        if not options.subgoals or not options.samples:
             return []
         drawn: list[Subgoal] = []
-        for primitive in self.primitives.drawn(self.rng, self._rounded, via):
+        for primitive in self.primitives.drawn(self.rng, self._rounded, mix):
             cell = self.lattice.nearest(primitive.start)
             valid = not primitive.interacts or (options.simulate_samples and self.valid(primitive))
             drawn.append(Subgoal(cell, primitive, valid))

@@ -10,9 +10,9 @@ import numpy as np
 
 from mamo_core.types.geometry import Array
 from mamo_core.types.solution import Plan
-from mamo_planners.reaching.amp import Primitive
 from mamo_planners.reaching.explored import Explored
 from mamo_planners.reaching.lattice import Cell
+from mamo_planners.reaching.primitive import Primitive
 from mamo_planners.reaching.queues import Queues
 from mamo_planners.reaching.soft_duplicates import inflated
 
@@ -75,9 +75,7 @@ class SubgoalSearch:
         q = self._explored.configurations[state]
         if not run.primitives.begins_at(q):
             return None
-        if state not in self._put_off and run.duplicates.near(q):
-            run.statistics.counts["soft_duplicates"] += 1
-            self._put_off.add(state)
+        if self._like_a_failure(state, q):
             put_off = inflated(self._heuristics(q)[queue])
             self._queues.push_into(queue, state, self._explored.costs[state], put_off)
             return None
@@ -86,9 +84,20 @@ class SubgoalSearch:
             return None
         if not primitive.interacts:
             return run.planned(self._explored.way(state), primitive)
-        key = self._explored.costs[state] + run.options.w1 * self._heuristics(q)[0]
-        heapq.heappush(self._waiting, (key, state, primitive))
+        self._wait(state, primitive, self._heuristics(q)[0])
         return self._simulate_waiting()
+
+    def _like_a_failure(self, state: int, q: Array) -> bool:
+        """Whether a state (at ``q``) is a soft duplicate and has to be put off, once."""
+        if state in self._put_off or not self._run.duplicates.near(q):
+            return False
+        self._run.statistics.counts["soft_duplicates"] += 1
+        self._put_off.add(state)
+        return True
+
+    def _wait(self, state: int, primitive: Primitive, heuristic: float) -> None:
+        key = self._explored.costs[state] + self._run.options.w1 * heuristic
+        heapq.heappush(self._waiting, (key, state, primitive))
 
     def _to_subgoal(self, state: int) -> Plan | None:
         """Line 8 of Algorithm 3, or the straight motion to a valid subgoal."""
@@ -111,6 +120,9 @@ class SubgoalSearch:
         if not self._waiting or run.work.seconds < self._simulate_from:
             return None
         _, state, primitive = heapq.heappop(self._waiting)
+        if self._like_a_failure(state, primitive.start):
+            self._wait(state, primitive, inflated(self._heuristics(primitive.start)[0]))
+            return None
         return run.planned(self._explored.way(state), primitive) if run.valid(primitive) else None
 
     def _successors(self, state: int) -> None:

@@ -82,12 +82,12 @@ class Executions:
         """One segment more, or None if the arm or an object does what it must not."""
         return self._after(stand, (segment,))
 
-    def alone(self, segment: MotionSegment) -> bool:
-        """Whether a segment is valid with all objects at rest where they stand at first."""
+    def alone(self, segment: MotionSegment) -> RolloutResult:
+        """What becomes of a segment with all objects at rest where they stand at first."""
         line = Line(Engine("backend", self._parts.backend), self._parts.problem.initial)
         begin = segment.trajectory.positions[0]
         at_begin = replace(line, state=line.state.with_joints(begin))
-        return self._executed(at_begin, Motion((segment,), segment.opening)).valid
+        return self._executed(at_begin, Motion((segment,), segment.opening))
 
     def finished(self, stand: Stand, goal: Goal, rng: np.random.Generator) -> Plan | None:
         """A verified plan that ends with what the task demands at ``goal``, where the arm is."""

@@ -4,9 +4,10 @@ from itertools import islice
 
 import numpy as np
 import pytest
-from mamo_planners.reaching.amp import Primitives
+from mamo_planners.reaching.amp import Mix, Primitives
 from mamo_planners.reaching.goals import Goals
 from mamo_planners.reaching.options import LatticeOptions
+from mamo_planners.reaching.promising import Promising
 from mamo_planners.reaching.scenery import look_at
 
 from mamo_core.testing.scenes import (
@@ -27,12 +28,13 @@ def rng():
 
 @pytest.fixture
 def primitives_of(reaching):
-    def make(scene, delta=0.2):
+    def make(scene, delta=0.2, promising=None):
         parts = reaching(scene.problem).parts
         goals = Goals(parts.problem, parts.arm, parts.kinematics, parts.collision, rng())
         seen = look_at(parts, goals, LatticeOptions())
         worlds = seen.fixed, seen.everything
-        return Primitives(parts.kinematics, goals, *worlds, seen.field, delta)
+        varied = promising or Promising()
+        return Primitives(parts.kinematics, goals, *worlds, seen.field, varied, delta)
 
     return make
 
@@ -78,7 +80,7 @@ def test_delta_is_measured_around_immovables(primitives_of):
 
 def test_drawn_ones_begin_free_and_within_delta(primitives_of):
     primitives = primitives_of(reach_by_pushing())
-    drawn = list(islice(primitives.drawn(rng(), np.array), 12))
+    drawn = list(islice(primitives.drawn(rng(), np.array, Mix()), 12))
     assert len(drawn) == 12
     assert all(primitives.begins_at(p.start) for p in drawn)
     assert all(primitives._everything.free(p.start)[0] for p in drawn)
@@ -88,11 +90,29 @@ def test_drawn_ones_begin_free_and_within_delta(primitives_of):
 
 def test_drawn_ones_begin_where_they_are_rounded_to(primitives_of):
     primitives = primitives_of(reach_past(clear_scene()))
-    drawn = islice(primitives.drawn(rng(), lambda q: np.round(q, 1)), 5)
+    drawn = islice(primitives.drawn(rng(), lambda q: np.round(q, 1), Mix()), 5)
     assert all(np.array_equal(p.start, np.round(p.start, 1)) for p in drawn)
 
 
 def test_drawing_ends_where_nothing_is_to_be_had(primitives_of):
     nowhere = primitives_of(reach_past(clear_scene()), delta=1e-3)
     # Rounded to where no primitive begins.
-    assert list(nowhere.drawn(rng(), lambda q: HOME)) == []
+    assert list(nowhere.drawn(rng(), lambda q: HOME, Mix())) == []
+
+
+def test_variations_bend_near_what_held_longest(primitives_of):
+    promising = Promising()
+    primitives = primitives_of(reach_by_pushing(), promising=promising)
+    model = primitives.to_goal(away(x=-0.15), rng())
+    promising.failed(model, 0.9)
+    varied = list(islice(primitives.drawn(rng(), np.array, Mix(vary=1.0)), 6))
+    assert len(varied) == 6
+    assert all(len(p.path) == 3 for p in varied)
+    assert all(np.abs(p.start - model.start).max() < 0.5 for p in varied)
+    assert len({p.start.tobytes() for p in varied}) == 6
+
+
+def test_nothing_is_varied_before_something_failed(primitives_of):
+    primitives = primitives_of(reach_by_pushing())
+    drawn = islice(primitives.drawn(rng(), np.array, Mix(vary=1.0)), 3)
+    assert all(len(p.path) == 2 for p in drawn)
