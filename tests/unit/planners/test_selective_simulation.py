@@ -1,8 +1,14 @@
 """Selective Simulation on tiny scenes: what becomes relevant, and what is simulated."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from mamo_planners.baselines.selective_simulation import reduced_problem
+from mamo_planners.baselines.options import SelectiveSimulationOptions
+from mamo_planners.baselines.selective_planning import Planned, SelectivePlanning
+from mamo_planners.baselines.selective_simulation import _pieces, reduced_problem
+from mamo_planners.reaching.goals import Goal, Goals
+from mamo_planners.reaching.scenery import look_at
 
 from mamo_core.testing.scenes import (
     clear_scene,
@@ -14,7 +20,7 @@ from mamo_core.testing.scenes import (
     reach_without_room,
 )
 from mamo_core.types.scene import Mobility
-from mamo_core.types.solution import SolutionStatus
+from mamo_core.types.solution import Budget, SolutionStatus, Statistics
 from mamo_core.verify import VerifyReport
 
 STEPS = {"large_step_deg": 4.0}
@@ -141,6 +147,56 @@ def test_all_simulated_steps_are_counted(solved, reaching):
         tracked.rollout(world.problem.initial, motion).steps for motion in tuple(tracked.motions)
     )
     assert counts["steps"] > alone
+
+
+def planned(world, refuted):
+    """What a phase plans in which all movables are relevant."""
+    parts, options = world.parts, SelectiveSimulationOptions(**STEPS)
+    goals = Goals(
+        parts.problem, parts.arm, parts.kinematics, parts.collision, np.random.default_rng(0)
+    )
+    scenery = look_at(parts, goals, options)
+    names = movables(world.engines[0])
+    limits = Statistics(), Budget(float("inf"))
+    phase = SelectivePlanning(parts, world.problem, names, list(refuted), scenery, options, *limits)
+    return phase.solve(draw)
+
+
+def test_an_edge_that_was_refuted_is_not_planned_again(reaching):
+    world = reaching(reach_past_a_corner().problem)
+    first = planned(world, [])
+    refuted = first.path[1:3]
+    again = planned(world, [refuted])
+    edges = [again.path[i : i + 2] for i in range(len(again.path) - 1)]
+    assert len(edges) > 2
+    assert not any(np.array_equal(edge, refuted) for edge in edges)
+
+
+def test_pieces_are_what_was_simulated_and_the_rest_between():
+    path = np.arange(12.0).reshape(6, 2)
+    simulated = np.array([False, False, True, True, False])
+    pieces = _pieces(Planned(path, Goal(path[-1]), simulated))
+    assert [piece[:, 0].tolist() for piece in pieces] == [[0, 2, 4], [4, 6], [6, 8], [8, 10]]
+
+
+def stalling_at(engine, name):
+    """The arm does not get through where it touches the object, and nothing else is wrong."""
+    rollout = engine.rollout
+
+    def stalled(state, motion, **settings):
+        result = rollout(state, motion, **settings)
+        touches = ("robot", name) in result.contacts
+        return replace(result, violations=(), moved=(), stalled=True) if touches else result
+
+    return stalled
+
+
+def test_what_an_arm_that_stalled_touched_is_to_blame(reaching):
+    world = reaching(reach_by_pushing().problem)
+    engine = world.engines[0]
+    engine.rollout = stalling_at(engine, "a")
+    world.solve(world.selective(expansions=30, **STEPS))
+    assert phases(world)[:2] == [(), ("a",)]
 
 
 def test_nobody_to_blame(reaching):

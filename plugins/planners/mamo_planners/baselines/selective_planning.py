@@ -30,20 +30,33 @@ Key = tuple[Cell, tuple[int, ...]]
 
 @dataclass(frozen=True, eq=False)
 class Planned:
-    """A ``path`` (k, dof) from the start to a goal."""
+    """A ``path`` (k, dof) from the start to a goal; ``simulated`` (k - 1,): which edges were."""
 
     path: Array
     goal: Goal
+    simulated: BoolArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Moved:
+    """The ``state`` after an edge, and whether an engine was asked for it."""
+
+    state: SceneState
+    simulated: bool
 
 
 class SelectivePlanning:
-    """One planning phase; ``parts.backend`` simulates the ``reduced`` problem."""
+    """One planning phase; ``parts.backend`` simulates the ``reduced`` problem.
+
+    ``refuted``: edges (2, dof) that are not valid with all objects, whatever is relevant.
+    """
 
     def __init__(
         self,
         parts: ReachingParts,
         reduced: Problem,
         relevant: tuple[str, ...],
+        refuted: list[Array],
         scenery: Scenery,
         options: SelectiveSimulationOptions,
         statistics: Statistics,
@@ -66,14 +79,15 @@ class SelectivePlanning:
         self._rows = [parts.problem.scene.index(o.name) for o in reduced.scene.objects]
         self._queues = Queues(1 + len(scenery.goals.known), options.w1, options.w2)
         self._explored: Explored[Key] = Explored()
-        self._states: list[SceneState] = []
+        self._found: list[_Moved] = []
         self._work = Work()
         self._duplicates = SoftDuplicates(options.beta)
         self._put_off: set[int] = set()
+        self._refuted = {edge.tobytes() for edge in refuted}
 
     def solve(self, rng: np.random.Generator) -> Planned | None:
         """A path to a goal; None when all is expanded or a limit is reached."""
-        self._add(self._lattice.start, self._start, self._reduced.initial, -1)
+        self._add(self._lattice.start, self._start, _Moved(self._reduced.initial, False), -1)
         for _ in range(self._options.expansions):
             popped = self._queues.pop() if not self._budget.exhausted else None
             if popped is None:
@@ -97,12 +111,19 @@ class SelectivePlanning:
         if is_new and self._duplicates.near(q) and not self._free_of_relevant(state, tried).all():
             self._put_off_from(queue, state, q)
             return None
-        if goal is not None and self._moved(state, goal.configuration[None, :])[0] is not None:
-            return Planned(np.vstack([self._explored.way(state), goal.configuration]), goal)
+        if goal is not None:
+            (last,) = self._moved(state, goal.configuration[None, :])
+            if last is not None:
+                return self._planned(state, goal, last)
         for cell, end, after in zip(cells, ends, self._moved(state, ends), strict=True):
             if after is not None:
                 self._add(cell, end, after, state)
         return None
+
+    def _planned(self, state: int, goal: Goal, last: _Moved) -> Planned:
+        edges = [self._found[number] for number in self._explored.ancestry(state)[1:]]
+        path = np.vstack([self._explored.way(state), goal.configuration])
+        return Planned(path, goal, np.array([edge.simulated for edge in (*edges, last)]))
 
     def _goal_from(self, q: Array, rng: np.random.Generator) -> Goal | None:
         """Where the straight motion to the goal is tried, the goal."""
@@ -116,23 +137,29 @@ class SelectivePlanning:
         put_off = inflated(self._heuristics(q)[queue])
         self._queues.push_into(queue, state, self._explored.costs[state], put_off)
 
-    def _moved(self, state: int, ends: Array) -> list[SceneState | None]:
+    def _moved(self, state: int, ends: Array) -> list[_Moved | None]:
         """What straight motions from a state to ``ends`` (k, dof) lead to; None: not valid."""
-        q, before = self._explored.configurations[state], self._states[state]
+        q, before = self._explored.configurations[state], self._found[state].state
         starts = np.repeat(q[None, :], len(ends), axis=0)
+        edges = np.stack([starts, ends], axis=1)
         allowed = self._scenery.fixed.edges_free(starts, ends)
+        allowed &= [edge.tobytes() not in self._refuted for edge in edges]
         untouched = self._free_of_relevant(state, ends)
         return [
-            None if not ok else before.with_joints(end) if free else self._simulated(q, before, end)
+            self._after(q, before, end, touching=not free) if ok else None
             for end, ok, free in zip(ends, allowed, untouched, strict=True)
         ]
+
+    def _after(self, q: Array, before: SceneState, end: Array, *, touching: bool) -> _Moved | None:
+        after = self._simulated(q, before, end) if touching else before.with_joints(end)
+        return _Moved(after, touching) if after is not None else None
 
     def _free_of_relevant(self, state: int, ends: Array) -> BoolArray:
         """Which motions to ``ends`` (k, dof) touch no relevant object: bool (k,)."""
         if not self._places:
             return np.ones(len(ends), dtype=np.bool_)
         poses = self._parts.problem.initial.object_poses.copy()
-        poses[self._rows] = self._states[state].object_poses
+        poses[self._rows] = self._found[state].state.object_poses
         world = self._parts.collision.world(
             poses, opening=self._scenery.goals.opening, ignore=self._irrelevant
         )
@@ -150,12 +177,12 @@ class SelectivePlanning:
             return None
         return result.final_state.with_joints(end)
 
-    def _add(self, cell: Cell, q: Array, after: SceneState, parent: int) -> None:
-        key = (cell, self._placed(after))
+    def _add(self, cell: Cell, q: Array, after: _Moved, parent: int) -> None:
+        key = (cell, self._placed(after.state))
         if key in self._explored:
             return
         number = self._explored.add(key, q, parent)
-        self._states.append(after)
+        self._found.append(after)
         self._queues.push(number, self._explored.costs[number], self._heuristics(q))
 
     def _placed(self, state: SceneState) -> tuple[int, ...]:

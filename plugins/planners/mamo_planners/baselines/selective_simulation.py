@@ -7,12 +7,13 @@ them; what breaks a constraint there becomes relevant, and it plans again.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mamo_core.interfaces.search_strategy import ProgressCallback, SearchStrategy
 from mamo_core.interfaces.transition_model import TransitionModel
+from mamo_core.types.geometry import Array
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import RolloutResult
 from mamo_core.types.scene import Mobility, SceneState
@@ -46,9 +47,10 @@ class SelectiveSimulation(SearchStrategy):
         if not goals.known:
             words = "no pre-grasp can be taken up even without movables"
             return Solution(SolutionStatus.BUDGET_EXHAUSTED, None, statistics, words)
+        scenery = look_at(self._parts, goals, self._options)
         tracking = _Tracking(self._parts, self._options, goals, statistics, budget)
         relevant: tuple[str, ...] = ()
-        scenery = look_at(self._parts, goals, self._options)
+        refuted: list[Array] = []
         while not budget.exhausted:
             progress(f"planning with {len(relevant)} relevant objects")
             statistics.counts["planning_phases"] += 1
@@ -57,6 +59,7 @@ class SelectiveSimulation(SearchStrategy):
                 replace(self._parts, backend=self._engine_for(reduced)),
                 reduced,
                 relevant,
+                refuted,
                 scenery,
                 self._options,
                 statistics,
@@ -65,20 +68,32 @@ class SelectiveSimulation(SearchStrategy):
             planned = planning.solve(rng)
             if planned is None:
                 break
-            plan = tracking.track(planned, rng)
-            if plan is not None:
-                return Solution(SolutionStatus.SOLVED, plan, statistics)
-            culprit = next((name for name in tracking.culprits if name not in relevant), None)
-            if culprit is None:
+            tracked = tracking.track(planned, rng)
+            if tracked.plan is not None:
+                return Solution(SolutionStatus.SOLVED, tracked.plan, statistics)
+            culprit = next((name for name in tracked.culprits if name not in relevant), None)
+            if culprit is not None:
+                relevant = (*relevant, culprit)
+            elif tracked.failed_edge is not None:
+                refuted.append(tracked.failed_edge)
+            else:
                 words = "the plan does not hold with all objects, and no other one is to blame"
                 return Solution(SolutionStatus.BUDGET_EXHAUSTED, None, statistics, words)
-            relevant = (*relevant, culprit)
         why = "no plan within the budget" if budget.exhausted else "no path past relevant objects"
         return Solution(SolutionStatus.BUDGET_EXHAUSTED, None, statistics, why)
 
 
+@dataclass(frozen=True, eq=False)
+class _Tracked:
+    """A verified ``plan``, or movables to blame (``culprits``) and the edge that failed (2, dof)."""
+
+    plan: Plan | None
+    culprits: tuple[str, ...] = ()
+    failed_edge: Array | None = None
+
+
 class _Tracking:
-    """Executes plans with all objects; ``culprits`` of the last one: movables to blame."""
+    """Executes plans with all objects."""
 
     def __init__(
         self,
@@ -93,26 +108,48 @@ class _Tracking:
         self._executions = Executions(parts, statistics, budget)
         objects = parts.problem.scene.objects
         self._movables = {o.name for o in objects if o.mobility is Mobility.MOVABLE}
-        self.culprits: tuple[str, ...] = ()
 
-    def track(self, planned: Planned, rng: np.random.Generator) -> Plan | None:
-        """A verified plan, or None with the culprits."""
+    def track(self, planned: Planned, rng: np.random.Generator) -> _Tracked:
+        """Execute it, and verify what comes of it."""
         executions = self._executions
         stand = executions.start(self._motions.opened(self._parts.problem.initial.joint_positions))
-        if stand is not None:
-            stand = executions.after(stand, self._motions.sweep(planned.path))
+        for piece in _pieces(planned):
+            if stand is not None:
+                stand = executions.after(stand, self._motions.sweep(piece))
+                if stand is None:
+                    return _Tracked(None, self._culprits(), piece[-2:])
         plan = executions.finished(stand, planned.goal, rng) if stand is not None else None
-        found = tuple(self._to_blame(executions.last)) if executions.last is not None else ()
-        self.culprits = found if plan is None else ()
-        return plan
+        return _Tracked(plan, self._culprits() if plan is None else ())
+
+    def _culprits(self) -> tuple[str, ...]:
+        result = self._executions.last
+        return tuple(self._to_blame(result)) if result is not None else ()
 
     def _to_blame(self, result: RolloutResult) -> Iterator[str]:
-        """Movables that broke constraints, first ones first; then whatever was moved."""
+        """Movables that broke constraints, first ones first; then what was moved, then touched.
+
+        What merely stood in the way of an arm that stalled was only touched.
+        """
         for violation in result.violations:
             for name in (violation.subject, violation.other):
                 if name in self._movables:
                     yield name
         yield from (name for name in result.moved if name in self._movables)
+        touched = {name for pair in result.contacts if "robot" in pair for name in pair}
+        yield from sorted(touched & self._movables)
+
+
+def _pieces(planned: Planned) -> Iterator[Array]:
+    """What was simulated edge by edge as it was, to rest; what is in between at once."""
+    begin = 0
+    for edge, simulated in enumerate(planned.simulated):
+        if simulated:
+            if begin < edge:
+                yield planned.path[begin : edge + 1]
+            yield planned.path[edge : edge + 2]
+            begin = edge + 1
+    if begin < len(planned.simulated):
+        yield planned.path[begin:]
 
 
 def reduced_problem(problem: Problem, relevant: tuple[str, ...]) -> Problem:
