@@ -152,9 +152,8 @@ def test_all_simulated_steps_are_counted(solved, reaching):
 def planned(world, refuted):
     """What a phase plans in which all movables are relevant."""
     parts, options = world.parts, SelectiveSimulationOptions(**STEPS)
-    goals = Goals(
-        parts.problem, parts.arm, parts.kinematics, parts.collision, np.random.default_rng(0)
-    )
+    draw = np.random.default_rng(0)
+    goals = Goals(parts.problem, parts.arm, parts.kinematics, parts.collision, draw)
     scenery = look_at(parts, goals, options)
     names = movables(world.engines[0])
     limits = Statistics(), Budget(float("inf"))

@@ -85,7 +85,7 @@ class SelectiveSimulation(SearchStrategy):
 
 @dataclass(frozen=True, eq=False)
 class _Tracked:
-    """A verified ``plan``, or movables to blame (``culprits``) and the edge that failed (2, dof)."""
+    """A verified ``plan``, or movables to blame and the edge (2, dof) that failed, if any."""
 
     plan: Plan | None
     culprits: tuple[str, ...] = ()
