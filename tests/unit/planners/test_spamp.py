@@ -314,3 +314,12 @@ def turns(positions):
     ways = ways[np.linalg.norm(ways, axis=1) > 1e-9]
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
     return bool((np.abs(ways - ways[0]) > 1e-6).any())
+
+
+def test_a_subgoal_that_does_not_hold_keeps_its_queue(reaching):
+    """States that are put off are put off in the queue they came from, whoever it belongs to."""
+    refuse = lambda plan: VerifyReport(("no",), None)  # noqa: E731
+    world = reaching(reach_by_pushing().problem, verifier=refuse)
+    solution = world.solve(world.spamp(rounds=1, expansions=300, t_sim=0.0, beta=2.0))
+    assert solution.plan is None
+    assert solution.statistics.counts["soft_duplicates"] > 10

@@ -34,6 +34,7 @@ class SubgoalSearch:
 
     def __init__(self, run: Run, subgoals: list[Subgoal], simulate_from: float) -> None:
         self._run, self._subgoals, self._simulate_from = run, subgoals, simulate_from
+        self._valid = [subgoal for subgoal in subgoals if subgoal.valid]
         options = run.options
         self._queues = Queues(1 + len(subgoals), options.w1, options.w2)
         self._explored: Explored[Cell] = Explored()
@@ -102,7 +103,7 @@ class SubgoalSearch:
     def _to_subgoal(self, state: int) -> Plan | None:
         """Line 8 of Algorithm 3, or the straight motion to a valid subgoal."""
         run, q = self._run, self._explored.configurations[state]
-        for subgoal in [s for s in self._subgoals if s.valid]:
+        for subgoal in list(self._valid):
             there = self._explored.keys[state] == subgoal.cell
             start = subgoal.primitive.start
             if not there and run.options.snap:
@@ -111,7 +112,7 @@ class SubgoalSearch:
                 plan = run.planned(self._explored.way(state), subgoal.primitive)
                 if plan is not None:
                     return plan
-                self._subgoals.remove(subgoal)
+                self._valid.remove(subgoal)
         return None
 
     def _simulate_waiting(self) -> Plan | None:
