@@ -320,6 +320,6 @@ def test_a_subgoal_that_does_not_hold_keeps_its_queue(reaching):
     """States that are put off are put off in the queue they came from, whoever it belongs to."""
     refuse = lambda plan: VerifyReport(("no",), None)  # noqa: E731
     world = reaching(reach_by_pushing().problem, verifier=refuse)
-    solution = world.solve(world.spamp(rounds=1, expansions=300, t_sim=0.0, beta=2.0))
+    solution = world.solve(world.spamp(rounds=1, expansions=300, snap=False))
     assert solution.plan is None
     assert solution.statistics.counts["soft_duplicates"] > 10
