@@ -58,7 +58,7 @@ check: $(INSTALLED)
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	MYPYPATH=benchmarks $(BIN)/mypy benchmarks/*.py
-	MYPYPATH=$(subst $(SPACE),:,$(TEMPLATES)) $(BIN)/mypy $(TEMPLATES:%=%/mamo_*/*.py)
+	MYPYPATH=$(subst $(SPACE),:,$(TEMPLATES)) $(BIN)/mypy $(TEMPLATES:%=%/*/*.py)
 	$(BIN)/lint-imports
 
 test: check $(WARM)

@@ -30,11 +30,11 @@ def run_new(kind: str, name: str, folder: Path | None) -> None:
 
 def _next(kind: str, target: Path) -> list[str]:
     """Commands to a plan that uses the plugin, from the current folder."""
-    folder = shlex.quote(str(target) if target.is_absolute() else f"./{target}")
+    folder = str(target) if target.is_absolute() else f"./{target}"
     problem, recipe = (shlex.quote(str(target / file)) for file in ("problem.yaml", "recipe.yaml"))
     planner = "" if kind == "constraint" else f" --planner {recipe}"
     return [
-        f"python -m pip install -e {folder}",
+        f"python -m pip install -e {shlex.quote(f'{folder}[test]')}",
         f"python -m pytest {shlex.quote(str(target))}",
         f"mamo plan {problem}{planner} -o plan.json --png plan.png",
         "mamo verify plan.json",

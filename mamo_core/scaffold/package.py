@@ -39,9 +39,7 @@ def check_order(kind: str, name: str, registry: Registry) -> None:
         )
     for item in registry.registered:
         if (item.role, item.component.name) == (kind, name):
-            raise InputError(
-                f"NAME {name!r}: plugin {item.plugin!r} has a {kind} of this name already"
-            )
+            raise InputError(f"NAME {name!r}: plugin {item.plugin!r} has one already, as {kind}")
     if find_spec(f"mamo_{name}") is not None:
         raise InputError(f"NAME {name!r}: a Python package 'mamo_{name}' is installed already")
 

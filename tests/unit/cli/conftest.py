@@ -1,8 +1,12 @@
-"""Runs commands in this process, with a toy plugin found as any installed plugin is."""
+"""Runs commands in this process, with a toy plugin found as any installed plugin is; or in new
+processes, with distributions installed."""
 
+import os
 import shutil
 import signal
+import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import NamedTuple
@@ -37,6 +41,46 @@ target: t
 grasps:
   - {position: [-0.1, 0, 0], approach: 0.1, opening: 0.07}
 """
+
+
+MAMO = (sys.executable, "-c", "from mamo_core.cli.main import main; main()")
+
+
+@pytest.fixture
+def install(tmp_path):
+    """``install(folder)`` gives the environment of a process that finds the distribution there.
+
+    It leaves behind what ``pip install --target`` would, without a network or a build tool.
+    """
+
+    def install(folder):
+        with open(folder / "pyproject.toml", "rb") as file:
+            document = tomllib.load(file)
+        project, site = document["project"], tmp_path / "site-packages"
+        for package in document["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]:
+            shutil.copytree(folder / package, site / package, dirs_exist_ok=True)
+        info = site / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
+        info.mkdir(exist_ok=True)
+        (info / "METADATA").write_text(
+            f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
+        )
+        entries = project["entry-points"]["mamo"]
+        lines = "".join(f"{name} = {module}\n" for name, module in entries.items())
+        (info / "entry_points.txt").write_text(f"[mamo]\n{lines}")
+        return {**os.environ, "PYTHONPATH": str(site), "PYTHONDONTWRITEBYTECODE": "1"}
+
+    return install
+
+
+@pytest.fixture
+def mamo():
+    """``mamo(environment, ...)`` in a new process."""
+
+    def mamo(environment, *arguments):
+        command = [*MAMO, *map(str, arguments)]
+        return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+    return mamo
 
 
 class Outcome(NamedTuple):

@@ -2,10 +2,6 @@
 
 import json
 import os
-import shutil
-import subprocess
-import sys
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -15,28 +11,11 @@ EXAMPLE = Path(__file__).parents[3] / "examples" / "third_party_plugin"
 
 
 @pytest.fixture
-def environment(tmp_path):
-    """What ``pip install --target`` would leave behind, made without a network or a build tool."""
-    with open(EXAMPLE / "pyproject.toml", "rb") as file:
-        project = tomllib.load(file)["project"]
-    shutil.copytree(EXAMPLE / "mamo_shove", tmp_path / "mamo_shove")
-    info = tmp_path / f"mamo_shove-{project['version']}.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text(
-        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
-    )
-    entries = project["entry-points"]["mamo"]
-    lines = "".join(f"{name} = {module}\n" for name, module in entries.items())
-    (info / "entry_points.txt").write_text(f"[mamo]\n{lines}")
-    return {**os.environ, "PYTHONPATH": str(tmp_path)}
+def environment(install):
+    return install(EXAMPLE)
 
 
-def mamo(environment, *arguments):
-    command = [sys.executable, "-c", "from mamo_core.cli.main import main; main()", *arguments]
-    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-
-
-def test_it_is_listed(environment):
+def test_it_is_listed(environment, mamo):
     done = mamo(environment, "plugins", "list", "--json")
     assert done.returncode == 0, done.stderr
     document = json.loads(done.stdout)
@@ -53,12 +32,12 @@ def test_it_is_listed(environment):
     assert "shove" not in [problem["plugin"] for problem in document["problems"]]
 
 
-def test_without_it_there_is_no_shove():
+def test_without_it_there_is_no_shove(mamo):
     done = mamo(dict(os.environ), "plugins", "list", "--json")
     assert "shove" not in done.stdout
 
 
-def test_a_plan_with_it_passes_verification(environment, tmp_path):
+def test_a_plan_with_it_passes_verification(environment, mamo, tmp_path):
     """Its own recipe; pushes are refused, so that its own action has to do the work."""
     plan = tmp_path / "plan.json"
     done = mamo(
