@@ -39,9 +39,13 @@ def check_order(kind: str, name: str, registry: Registry) -> None:
         )
     for item in registry.registered:
         if (item.role, item.component.name) == (kind, name):
-            raise InputError(f"NAME {name!r}: plugin {item.plugin!r} has one already, as {kind}")
+            raise InputError(
+                f"NAME {name!r}: plugin {item.plugin!r} has the {kind} of this name; choose another"
+            )
     if find_spec(f"mamo_{name}") is not None:
-        raise InputError(f"NAME {name!r}: a Python package 'mamo_{name}' is installed already")
+        raise InputError(
+            f"NAME {name!r}: the Python package 'mamo_{name}' is installed; choose another"
+        )
 
 
 def write_package(kind: str, name: str, folder: Path) -> None:

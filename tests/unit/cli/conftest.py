@@ -1,10 +1,11 @@
-"""Runs commands in this process, with a toy plugin found as any installed plugin is; or in new
-processes, with distributions installed."""
+"""Runs commands in this process, with a toy plugin found as any installed plugin is.
+
+For new processes it installs whole distributions.
+"""
 
 import os
 import shutil
 import signal
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -43,9 +44,6 @@ grasps:
 """
 
 
-MAMO = (sys.executable, "-c", "from mamo_core.cli.main import main; main()")
-
-
 @pytest.fixture
 def install(tmp_path):
     """``install(folder)`` gives the environment of a process that finds the distribution there.
@@ -70,17 +68,6 @@ def install(tmp_path):
         return {**os.environ, "PYTHONPATH": str(site), "PYTHONDONTWRITEBYTECODE": "1"}
 
     return install
-
-
-@pytest.fixture
-def mamo():
-    """``mamo(environment, ...)`` in a new process."""
-
-    def mamo(environment, *arguments):
-        command = [*MAMO, *map(str, arguments)]
-        return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-
-    return mamo
 
 
 class Outcome(NamedTuple):

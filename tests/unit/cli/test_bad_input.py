@@ -314,8 +314,11 @@ def test_target_behind_an_immovable(real_run):
         (("action", "my-own"), "NAME 'my-own', expected"),
         (("action", "_own"), "NAME '_own', expected"),
         (("action", "../own"), "NAME '../own', expected"),
-        (("action", "push"), "NAME 'push': plugin 'planners' has one already, as action"),
-        (("action", "core"), "NAME 'core': a Python package 'mamo_core' is installed already"),
+        (("action", "push"), "NAME 'push': plugin 'planners' has the action of this name"),
+        (
+            ("action", "core"),
+            "NAME 'core': the Python package 'mamo_core' is installed; choose another",
+        ),
         (("action", "rearrangement"), "its class 'RearrangementAction' would hide one of mamo's"),
         (("action", "own", "-o", "problem.yaml"), "problem.yaml: is a file, expected a new or"),
         (("action", "own", "-o", "."), ".: the folder is not empty, expected a new or an empty"),

@@ -2,6 +2,8 @@
 
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -15,7 +17,12 @@ def environment(install):
     return install(EXAMPLE)
 
 
-def test_it_is_listed(environment, mamo):
+def mamo(environment, *arguments):
+    command = [sys.executable, "-c", "from mamo_core.cli.main import main; main()", *arguments]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+
+def test_it_is_listed(environment):
     done = mamo(environment, "plugins", "list", "--json")
     assert done.returncode == 0, done.stderr
     document = json.loads(done.stdout)
@@ -32,12 +39,12 @@ def test_it_is_listed(environment, mamo):
     assert "shove" not in [problem["plugin"] for problem in document["problems"]]
 
 
-def test_without_it_there_is_no_shove(mamo):
+def test_without_it_there_is_no_shove():
     done = mamo(dict(os.environ), "plugins", "list", "--json")
     assert "shove" not in done.stdout
 
 
-def test_a_plan_with_it_passes_verification(environment, mamo, tmp_path):
+def test_a_plan_with_it_passes_verification(environment, tmp_path):
     """Its own recipe; pushes are refused, so that its own action has to do the work."""
     plan = tmp_path / "plan.json"
     done = mamo(

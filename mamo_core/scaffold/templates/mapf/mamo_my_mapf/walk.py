@@ -48,12 +48,14 @@ class Walk:
 class Passer:
     """An agent that walks already: who comes later keeps ``margin`` away from it."""
 
-    def __init__(self, problem: MAPFProblem, agent: MAPFAgent, other: MAPFAgent, walk: Walk):
+    def __init__(
+        self, problem: MAPFProblem, agent: MAPFAgent, other: MAPFAgent, walk: Walk
+    ) -> None:
         self._gap = Gap.between(agent.shape, agent.pose, other.shape, other.pose)
         self._meets = same_height(agent.shape, agent.pose, other.shape, other.pose)
         self._least, self._walk = problem.margin - _SLACK, walk.path
         moves = np.flatnonzero((walk.path != walk.path[0]).any(axis=1))
-        self._leaves = int(moves[0]) if moves.size else len(walk.path)
+        self._leaves = float(moves[0]) if moves.size else np.inf
         self.end = len(walk.path) - 1
 
     def lets(self, place: Array, time: int, *, untouched: bool) -> bool:
@@ -61,7 +63,7 @@ class Passer:
 
         Two that have not moved may stand as near as they did (``untouched``: the agent has not).
         """
-        if not self._meets or (untouched and time < max(self._leaves, 1)):
+        if not self._meets or (untouched and time < self._leaves):
             return True
         there = self._walk[min(time, self.end)]
         return self._gap.at(place - there) >= self._least
