@@ -100,7 +100,9 @@ def _check_class(kind: str, name: str) -> None:
     for path in sorted((_TEMPLATES / kind).rglob("*.py")):
         others = path.read_text(encoding="utf-8").replace(_placeholder_class(kind), "")
         if re.search(rf"\b{own}(Options)?\b", others):
-            raise InputError(f"NAME {name!r}: its class {own!r} would hide one of mamo's")
+            raise InputError(
+                f"NAME {name!r}: its class {own!r} would hide one of mamo's; choose another"
+            )
 
 
 def _hyphens(name: str) -> str:

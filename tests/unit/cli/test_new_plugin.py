@@ -106,3 +106,22 @@ def test_what_to_edit_is_marked_and_named(kind, tmp_path):
         assert (tmp_path / "own" / name).is_file(), name
     assert f"`mamo_own/{kind}.py`" in readme
     assert "To make it yours" in read(tmp_path / "own" / "mamo_own" / f"{kind}.py")
+
+
+def test_commands_fit_the_folder(run):
+    """An empty one may be given; names with blanks are quoted; a constraint has no recipe."""
+    Path("my plugins").mkdir()
+    told = run("plugins", "new", "constraint", "near", "-o", "my plugins")
+    assert (told.code, told.err) == (0, "")
+    assert (
+        told.out
+        == """\
+my plugins: a plugin with the constraint 'near', which works as it stands
+edit my plugins/mamo_near/constraint.py, and read my plugins/README.md
+next:
+    python -m pip install -e './my plugins[test]'
+    python -m pytest 'my plugins'
+    mamo plan 'my plugins/problem.yaml' -o plan.json --png plan.png
+    mamo verify plan.json
+"""
+    )

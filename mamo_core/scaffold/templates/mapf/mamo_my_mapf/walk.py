@@ -20,6 +20,9 @@ Cell = tuple[int, int]
 State = tuple[int, int, int]
 """Lattice cell, counted from the agent's start, and time step."""
 
+Entry = tuple[float, int, State, State | None, bool]
+"""Of the queue: cost, number, state, the state before, and whether the walk ends there."""
+
 
 class OutOfWorkError(Exception):
     """The budget is used up."""
@@ -32,6 +35,7 @@ class Work:
         self.left, self.done = left, 0
 
     def spend(self) -> None:
+        """One expansion more; OutOfWorkError if none is left."""
         if self.done >= self.left:
             raise OutOfWorkError
         self.done += 1
@@ -98,7 +102,7 @@ class _Search:
     def run(self) -> Walk | None:
         start = (0, 0, 0)
         parents: dict[State, State | None] = {}
-        queue: list[tuple[float, int, State, State | None, bool]] = []
+        queue: list[Entry] = []
         self._push(queue, 0.0, start, None, ends=False)
         while queue:
             cost, _, state, parent, ends = heapq.heappop(queue)
@@ -116,13 +120,7 @@ class _Search:
         return None
 
     def _push(
-        self,
-        queue: list[tuple[float, int, State, State | None, bool]],
-        cost: float,
-        state: State,
-        parent: State | None,
-        *,
-        ends: bool,
+        self, queue: list[Entry], cost: float, state: State, parent: State | None, *, ends: bool
     ) -> None:
         heapq.heappush(queue, (cost, next(self._number), state, parent, ends))
 
@@ -156,8 +154,9 @@ class _Search:
         return self._problem.resolution * np.array(state[:2], dtype=np.float64)
 
     def _path(self, state: State, parents: dict[State, State | None]) -> Array:
-        states, at = [], state if state in parents else None
+        shifts = []
+        at: State | None = state
         while at is not None:
-            states.append(at)
+            shifts.append(self._shift(at))
             at = parents[at]
-        return self._agent.pose[:2] + np.array([self._shift(s) for s in reversed(states)])
+        return self._agent.pose[:2] + np.array(shifts[::-1])

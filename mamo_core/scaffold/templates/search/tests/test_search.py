@@ -49,7 +49,9 @@ def replayed(problem: Problem, plan: Plan) -> VerifyReport:
     return VerifyReport(() if result.valid else ("broken",), result)
 
 
-def solved(scene: TinyScene, seed: int = 0, **options: int) -> Solution:
+def solved(
+    scene: TinyScene, seed: int = 0, seconds: float = float("inf"), **options: int
+) -> Solution:
     problem = scene.problem
     search = MySearch(
         problem=problem,
@@ -62,7 +64,7 @@ def solved(scene: TinyScene, seed: int = 0, **options: int) -> Solution:
         verifier=lambda plan: replayed(problem, plan),
         options=MySearchOptions(**options),
     )
-    return search.solve(Budget(), np.random.default_rng(seed), lambda text: None)
+    return search.solve(Budget(seconds), np.random.default_rng(seed), lambda text: None)
 
 
 @pytest.mark.parametrize("scene", [clear_scene(), one_blocker(), two_blockers()])
@@ -86,26 +88,13 @@ def test_plans_are_no_longer_than_allowed() -> None:
 
 
 def test_the_budget_ends_it() -> None:
-    scene = one_blocker()
-    problem = scene.problem
-    search = MySearch(
-        problem=problem,
-        robot=gantry_arm(),
-        backend=engine_of(problem),
-        collision=FlatChecker(problem),
-        arm_planner=Straight(),
-        retrieval=StraightRetrieval(problem),
-        actions=(),
-        verifier=lambda plan: replayed(problem, plan),
-        options=MySearchOptions(),
-    )
-    solution = search.solve(Budget(0.0), np.random.default_rng(0), lambda text: None)
-    assert solution.reason == "no plan within the budget"
+    assert solved(one_blocker(), seconds=0.0).reason == "no plan within the budget"
 
 
 def test_the_same_seed_gives_the_same_plan() -> None:
     first, second = (solved(two_blockers(), seed=5).plan for _ in range(2))
     assert first is not None
     assert second is not None
-    for one, other in zip(first.actions, second.actions, strict=True):
-        assert np.array_equal(one.motion.end, other.motion.end)
+    for one, other in zip(first.motions, second.motions, strict=True):
+        for a, b in zip(one.segments, other.segments, strict=True):
+            assert np.array_equal(a.trajectory.positions, b.trajectory.positions)
