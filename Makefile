@@ -11,6 +11,11 @@ DEMO_SEED := 1
 # What is compiled or cached by `mamo warmup`: a change here warms up again.
 KERNELS := $(shell find mamo_core plugins -name '*.py')
 
+# What `mamo plugins new` writes is checked like everything else.
+TEMPLATES := $(patsubst %/tests,%,$(wildcard mamo_core/scaffold/templates/*/tests))
+EMPTY :=
+SPACE := $(EMPTY) $(EMPTY)
+
 # One thread for each process: tests run in parallel, benchmarks compare single cores.
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
@@ -53,6 +58,7 @@ check: $(INSTALLED)
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	MYPYPATH=benchmarks $(BIN)/mypy benchmarks/*.py
+	MYPYPATH=$(subst $(SPACE),:,$(TEMPLATES)) $(BIN)/mypy $(TEMPLATES:%=%/*/*.py)
 	$(BIN)/lint-imports
 
 test: check $(WARM)

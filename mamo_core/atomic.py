@@ -1,9 +1,10 @@
-"""Files that are written completely or not at all."""
+"""Files and folders that are written completely or not at all."""
 
 from __future__ import annotations
 
 import os
 import secrets
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -41,3 +42,38 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         os.replace(work, target)
     finally:
         work.unlink(missing_ok=True)
+
+
+@contextmanager
+def atomic_folder(path: str | Path) -> Iterator[Path]:
+    """A folder to fill, whose entries are moved to ``path`` in the end; nothing if the block fails.
+
+    Raises:
+        InputError: ``path`` is a file or a folder that is not empty, or cannot be written.
+    """
+    target = Path(path)
+    _check_free(target)
+    is_new = not target.exists()
+    work = target / f".{secrets.token_hex(4)}"
+    try:
+        target.mkdir(exist_ok=True)
+        work.mkdir()
+        yield work
+        for entry in sorted(work.iterdir()):
+            os.replace(entry, target / entry.name)
+        work.rmdir()
+    except BaseException:
+        shutil.rmtree(target if is_new else work, ignore_errors=True)
+        raise
+
+
+def _check_free(target: Path) -> None:
+    if target.exists() and not target.is_dir():
+        raise InputError(f"{target}: is a file, expected a new or an empty folder")
+    if target.is_dir() and any(target.iterdir()):
+        raise InputError(f"{target}: the folder is not empty, expected a new or an empty one")
+    nearest = target if target.is_dir() else target.parent
+    if not nearest.is_dir():
+        raise InputError(f"{target}: no such folder {str(nearest)!r}")
+    if not os.access(nearest, os.W_OK):
+        raise InputError(f"{target}: folder {str(nearest)!r} cannot be written")

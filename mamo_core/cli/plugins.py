@@ -1,12 +1,13 @@
-"""``mamo plugins``: what is installed, and whether it keeps its promises."""
+"""``mamo plugins``: what is installed, whether it keeps its promises, and how to begin one."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-app = typer.Typer(help="Look at plugins and their components.", no_args_is_help=True)
+app = typer.Typer(help="Look at plugins and their components, or begin one.", no_args_is_help=True)
 
 
 @app.command("list")
@@ -55,3 +56,25 @@ def check(
     from mamo_core.cli.checking import run_plugin_check
 
     raise typer.Exit(run_plugin_check(name, as_json=json))
+
+
+@app.command("new")
+def new(
+    kind: Annotated[
+        str, typer.Argument(metavar="KIND", help="backend, action, search, mapf or constraint.")
+    ],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the component, as in YAML.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="FOLDER", help="New or empty folder (default: mamo-NAME)."
+        ),
+    ] = None,
+) -> None:
+    """Write a package with a component of your own that works, ready to be edited.
+
+    It has tests, a recipe or a problem that uses it, and a README.
+    """
+    from mamo_core.cli.creating import run_new
+
+    run_new(kind, name, output)

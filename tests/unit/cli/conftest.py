@@ -1,8 +1,13 @@
-"""Runs commands in this process, with a toy plugin found as any installed plugin is."""
+"""Runs commands in this process, with a toy plugin found as any installed plugin is.
 
+For new processes it installs whole distributions.
+"""
+
+import os
 import shutil
 import signal
 import sys
+import tomllib
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import NamedTuple
@@ -37,6 +42,32 @@ target: t
 grasps:
   - {position: [-0.1, 0, 0], approach: 0.1, opening: 0.07}
 """
+
+
+@pytest.fixture
+def install(tmp_path):
+    """``install(folder)`` gives the environment of a process that finds the distribution there.
+
+    It leaves behind what ``pip install --target`` would, without a network or a build tool.
+    """
+
+    def install(folder):
+        with open(folder / "pyproject.toml", "rb") as file:
+            document = tomllib.load(file)
+        project, site = document["project"], tmp_path / "site-packages"
+        for package in document["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]:
+            shutil.copytree(folder / package, site / package, dirs_exist_ok=True)
+        info = site / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
+        info.mkdir(exist_ok=True)
+        (info / "METADATA").write_text(
+            f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
+        )
+        entries = project["entry-points"]["mamo"]
+        lines = "".join(f"{name} = {module}\n" for name, module in entries.items())
+        (info / "entry_points.txt").write_text(f"[mamo]\n{lines}")
+        return {**os.environ, "PYTHONPATH": str(site), "PYTHONDONTWRITEBYTECODE": "1"}
+
+    return install
 
 
 class Outcome(NamedTuple):

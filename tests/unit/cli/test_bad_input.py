@@ -300,3 +300,32 @@ def test_target_behind_an_immovable(real_run):
     assert "small: budget_exhausted" in out
     assert "no way to retrieve target even without movables: " in out
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ((), "Missing argument 'KIND'"),
+        (("action",), "Missing argument 'NAME'"),
+        (("actoin", "own"), "mamo plugins new: unknown KIND 'actoin'; did you mean 'action'?"),
+        (("robot", "own"), "(valid: action, backend, constraint, mapf, search)"),
+        (("action", "Own"), "mamo plugins new: NAME 'Own', expected small letters, digits and"),
+        (("action", "1st"), "NAME '1st', expected"),
+        (("action", "my-own"), "NAME 'my-own', expected"),
+        (("action", "_own"), "NAME '_own', expected"),
+        (("action", "../own"), "NAME '../own', expected"),
+        (("action", "push"), "NAME 'push': plugin 'planners' has the action of this name"),
+        (
+            ("action", "core"),
+            "NAME 'core': the Python package 'mamo_core' is installed; choose another",
+        ),
+        (("action", "rearrangement"), "its class 'RearrangementAction' would hide one of mamo's"),
+        (("action", "own", "-o", "problem.yaml"), "problem.yaml: is a file, expected a new or"),
+        (("action", "own", "-o", "."), ".: the folder is not empty, expected a new or an empty"),
+        (("action", "own", "-o", "no/own"), "no/own: no such folder 'no'"),
+    ],
+)
+def test_a_plugin_that_cannot_be_written(run, arguments, expected):
+    before = sorted(Path().iterdir())
+    fails(run("plugins", "new", *arguments), expected)
+    assert sorted(Path().iterdir()) == before

@@ -2,10 +2,8 @@
 
 import json
 import os
-import shutil
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -15,20 +13,8 @@ EXAMPLE = Path(__file__).parents[3] / "examples" / "third_party_plugin"
 
 
 @pytest.fixture
-def environment(tmp_path):
-    """What ``pip install --target`` would leave behind, made without a network or a build tool."""
-    with open(EXAMPLE / "pyproject.toml", "rb") as file:
-        project = tomllib.load(file)["project"]
-    shutil.copytree(EXAMPLE / "mamo_shove", tmp_path / "mamo_shove")
-    info = tmp_path / f"mamo_shove-{project['version']}.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text(
-        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
-    )
-    entries = project["entry-points"]["mamo"]
-    lines = "".join(f"{name} = {module}\n" for name, module in entries.items())
-    (info / "entry_points.txt").write_text(f"[mamo]\n{lines}")
-    return {**os.environ, "PYTHONPATH": str(tmp_path)}
+def environment(install):
+    return install(EXAMPLE)
 
 
 def mamo(environment, *arguments):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mamo_core.atomic import atomic_path, check_writable
+from mamo_core.atomic import atomic_folder, atomic_path, check_writable
 from mamo_core.errors import InputError
 
 
@@ -43,3 +43,35 @@ def test_what_cannot_be_written(tmp_path):
         check_writable(tmp_path)
     with pytest.raises(InputError, match=r"^/dev/null: is a device or pipe, expected a file$"):
         check_writable("/dev/null")
+
+
+@pytest.mark.parametrize("exists", [False, True])
+def test_a_folder_appears_at_the_end(tmp_path, exists):
+    target = tmp_path / "own"
+    if exists:
+        target.mkdir()
+    with atomic_folder(target) as work:
+        (work / "sub").mkdir()
+        (work / "sub" / "a").write_text("x")
+        assert not (target / "sub").exists()
+    assert [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")] == [
+        "own",
+        "own/sub",
+        "own/sub/a",
+    ]
+
+
+def write_half_a_folder(path):
+    with atomic_folder(path) as work:
+        (work / "a").write_text("half")
+        raise RuntimeError
+
+
+@pytest.mark.parametrize("exists", [False, True])
+def test_nothing_is_left_of_a_folder_that_failed(tmp_path, exists):
+    target = tmp_path / "own"
+    if exists:
+        target.mkdir()
+    with pytest.raises(RuntimeError):
+        write_half_a_folder(target)
+    assert [path.name for path in tmp_path.rglob("*")] == (["own"] if exists else [])

@@ -1,0 +1,1 @@
+"""Packages for plugin authors, made from templates that work as they stand."""
