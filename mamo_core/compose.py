@@ -25,7 +25,7 @@ from mamo_core.recipes import LoadedRecipe
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
-from mamo_core.types.solution import Budget, Plan, Solution
+from mamo_core.types.solution import Budget, Plan, Solution, Statistics
 
 if TYPE_CHECKING:
     from mamo_core.verify import VerifyReport
@@ -119,6 +119,12 @@ class Planner:
         """Search for a verified plan; the same seed gives the same plan."""
         rng = np.random.default_rng(seed)
         return self.search.solve(Budget(budget_seconds), rng, progress)
+
+    def diagnose(self, solution: Solution) -> Statistics:
+        """What the search finds in the way, where it found no plan; searches need not look."""
+        if not isinstance(self.search, SearchStrategy):
+            return Statistics()  # registered without the base class, which has a default
+        return self.search.diagnose(solution)
 
     def verify(self, plan: Plan) -> VerifyReport:
         """Replay the whole plan in one rollout and check every claim."""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +12,7 @@ from mamo_core.types.problem import Task
 from mamo_core.types.solution import Plan, Solution, SolutionStatus
 
 if TYPE_CHECKING:
+    from mamo_core.explain import Detail, Explanation
     from mamo_core.verify import VerifyReport
 
 DONE = 0
@@ -25,7 +25,9 @@ WORKER_CRASHED = 6
 class PlanReport:
     """A solution and what an independent verification said about it.
 
-    ``cpu_seconds``: of planning and verification, engine processes included.
+    ``details``: what failed. ``explanation``: why
+    there is no plan, if there is none. ``cpu_seconds``: of planning, and of
+    verifying or explaining, engine processes included.
     """
 
     problem: str
@@ -35,6 +37,8 @@ class PlanReport:
     solution: Solution
     verification: VerifyReport | None
     cpu_seconds: float
+    details: tuple[Detail, ...] = ()
+    explanation: Explanation | None = None
 
     @property
     def status(self) -> SolutionStatus:
@@ -72,16 +76,18 @@ def print_report(
         return
     print_table(f"{report.problem}: {report.status}", ("", ""), _summary(report, written, png))
     print_table("\nCPU seconds", ("part", "s"), _seconds(report), right=1)
-    if report.verified_plan is None and report.solution.statistics.causes:
-        rows = list(cause_rows(report.solution.statistics.causes))
-        print_table("\nwhy", ("object", "action", "cause", "times"), rows, right=3)
+    if report.explanation is not None:
+        print(f"\nwhy: {report.explanation.headline}")
+    if report.verified_plan is None and report.details:
+        columns = ("object", "action", "times", "cause", "in words", "others involved")
+        print_table("\nwhat failed", columns, _failures(report.details), right=2)
 
 
-def cause_rows(causes: Counter[str]) -> Iterator[tuple[str, str, str, str]]:
-    """Object, action, cause and number of times, the most frequent first."""
-    for key, times in sorted(causes.items(), key=lambda item: (-item[1], item[0])):
-        subject, action, cause = (*key.split("/", 2), "", "")[:3]
-        yield subject, action, cause, str(times)
+def _failures(details: Iterable[Detail]) -> Iterator[tuple[str, ...]]:
+    for d in details:
+        others = ", ".join(f"{name} ({times})" for name, times in d.involved)
+        words = d.words if d.words != d.cause else ""
+        yield d.subject, d.action, str(d.times), d.cause, words, others
 
 
 def _summary(report: PlanReport, output: Path | None, png: Path | None) -> Iterator[list[str]]:
@@ -133,6 +139,14 @@ def _data(report: PlanReport, output: Path | None, png: Path | None) -> dict[str
         "parts": {part: float(seconds) for part, seconds in statistics.seconds.items()},
         "counts": {name: int(count) for name, count in statistics.counts.items()},
         "causes": {key: int(times) for key, times in statistics.causes.most_common()},
+        "explanation": _explained(report.explanation),
         "plan_file": str(output) if output is not None else None,
         "picture": str(png) if png is not None else None,
     }
+
+
+def _explained(explanation: Explanation | None) -> dict[str, Any] | None:
+    if explanation is None:
+        return None
+    details = [{**asdict(d), "involved": dict(d.involved)} for d in explanation.details]
+    return {**asdict(explanation), "details": details}

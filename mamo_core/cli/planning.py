@@ -12,6 +12,7 @@ from mamo_core.cli.output import progress, warn_of_broken_plugins
 from mamo_core.cli.plan_report import PlanReport, print_report
 from mamo_core.compose import Planner, choose, compose
 from mamo_core.errors import InputError
+from mamo_core.explain import Explanation, details_of, explain
 from mamo_core.interfaces.search_strategy import ProgressCallback
 from mamo_core.plan_file import PlanDocument, write_plan
 from mamo_core.plugins import discover
@@ -19,7 +20,7 @@ from mamo_core.problems import load_problem
 from mamo_core.recipe_sets import chosen_recipe
 from mamo_core.recipes import LoadedRecipe
 from mamo_core.types.problem import Problem
-from mamo_core.types.solution import Plan
+from mamo_core.types.solution import Plan, Solution
 from mamo_core.warmup import load_kernels
 
 if TYPE_CHECKING:
@@ -70,17 +71,27 @@ def _solve(planner: Planner, order: PlanOrder, tell: ProgressCallback) -> PlanRe
         # The search has verified it too; what the command line claims it checks itself.
         tell("verifying the plan in one continuous simulation")
         verification = planner.verify(solution.plan)
+    problem = planner.context.problem
+    explanation = _explained(planner, solution, tell) if solution.plan is None else None
+    counted = details_of(problem.scene, solution.statistics)
     outside = verification.outside_cpu if verification is not None else 0.0
     outside += solution.statistics.outside_cpu
     return PlanReport(
-        problem=planner.context.problem.name,
-        task=planner.context.problem.task,
+        problem=problem.name,
+        task=problem.task,
         recipe=planner.recipe.recipe.name,
         seed=order.seed,
         solution=solution,
         verification=verification,
+        details=explanation.details if explanation is not None else counted,
+        explanation=explanation,
         cpu_seconds=time.process_time() - started + outside,
     )
+
+
+def _explained(planner: Planner, solution: Solution, tell: ProgressCallback) -> Explanation:
+    tell("no plan: looking for what stands in the way")
+    return explain(planner.context.problem, solution, planner.diagnose(solution))
 
 
 def _write(order: PlanOrder, problem: Problem, recipe: LoadedRecipe, report: PlanReport) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,3 +42,10 @@ class ActionGenerator(ABC):
 
         Failures are counted in ``statistics`` by cause.
         """
+
+    def without(self, names: Collection[str]) -> ActionGenerator | None:
+        """A generator as if some things were not there, to find out what they block.
+
+        None: this generator cannot tell, which is the default.
+        """
+        return None

@@ -46,3 +46,10 @@ class RetrievalPlanner(ABC):
     def thorough(self) -> RetrievalPlanner:
         """A planner that looks at more grasps and arm configurations, at a price; or itself."""
         return self
+
+    def without(self, names: Collection[str]) -> RetrievalPlanner | None:
+        """A planner as if some immovables and fixtures were not there, to find out what they block.
+
+        It may give up earlier. None: this planner cannot tell, which is the default.
+        """
+        return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -47,13 +47,19 @@ class Statistics:
 
     ``outside_cpu``: how many of the seconds were spent in other processes.
 
-    The keys of ``causes`` read ``subject/action/cause``, for example ``o7/push/no_ik``.
+    The keys of ``causes`` read ``subject/action/cause``, for example ``o7/push/no_ik``; under the
+    same keys ``involved`` counts who took part, as tuples of names, where that is known. ``worked``
+    counts what did not fail, by ``subject/action``. Plan files hold neither of these two.
     """
 
     seconds: Counter[str] = field(default_factory=Counter)
     counts: Counter[str] = field(default_factory=Counter)
     causes: Counter[str] = field(default_factory=Counter)
     outside_cpu: float = 0.0
+    involved: defaultdict[str, Counter[tuple[str, ...]]] = field(
+        default_factory=lambda: defaultdict(Counter)
+    )
+    worked: Counter[str] = field(default_factory=Counter)
 
     @contextmanager
     def timed(self, part: str) -> Iterator[None]:
@@ -72,10 +78,25 @@ class Statistics:
     def _add(self, part: str, seconds: float) -> None:
         self.seconds[part] += seconds  # type: ignore[assignment]
 
-    def failed(self, subject: str, action: str, cause: str, times: int = 1) -> None:
-        """Count a failure by its cause."""
-        if times:
-            self.causes[f"{subject}/{action}/{cause}"] += times
+    def failed(
+        self,
+        subject: str,
+        action: str,
+        cause: str,
+        times: int = 1,
+        involved: tuple[str, ...] = (),
+    ) -> None:
+        """Count a failure by its cause; ``involved``: who took part in it, by name."""
+        if not times:
+            return
+        key = f"{subject}/{action}/{cause}"
+        self.causes[key] += times
+        if involved:
+            self.involved[key][involved] += times
+
+    def succeeded(self, subject: str, action: str) -> None:
+        """Count something that was done with a subject and did not fail."""
+        self.worked[f"{subject}/{action}"] += 1
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,7 +49,9 @@ class GraspCandidates:
         kinematics: Kinematics,
         collision: CollisionChecker,
         options: RetrievalOptions,
+        patient: bool = True,
     ) -> None:
+        """``patient``: look much harder before saying that no grasp works."""
         self._problem, self._arm, self._kinematics = problem, arm, kinematics
         self._collision, self._options = collision, options
         scene = problem.scene
@@ -60,9 +62,11 @@ class GraspCandidates:
         self.causes: Counter[str] = Counter()
         self._close = collision
         """Checks the way in to the target."""
-        # Tight places leave few arm configurations: look harder before saying there are none.
-        self.found = self._find(options.branches) or self._find(_THOROUGH * options.branches)
-        if not self.found:
+        self.found = self._find(options.branches)
+        if patient and not self.found:
+            # Tight places leave few arm configurations: look harder before saying there are none.
+            self.found = self._find(_THOROUGH * options.branches)
+        if patient and not self.found:
             # The covers leave no way; the meshes, which have the last word anyhow, may leave one.
             self._close = ExactChecker(scene, arm)
             self.found = self._find(_THOROUGH * options.branches)

@@ -17,6 +17,7 @@ from mamo_core.types.problem import Problem
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import Mobility, SceneState
 from mamo_planners.grasp_candidates import Candidate, GraspCandidates
+from mamo_planners.ignoring import IgnoringChecker
 from mamo_planners.options import RetrievalOptions
 from mamo_planners.retrieval_motion import RetrievalMotion
 
@@ -32,14 +33,16 @@ class GraspAndExtract(RetrievalPlanner):
         collision: CollisionChecker,
         arm_planner: ArmPlanner,
         options: RetrievalOptions,
+        patient: bool = True,
     ) -> None:
+        """``patient``: look much harder before saying that no grasp works."""
         self._problem, self._arm = problem, arm
         self._kinematics, self._collision, self._arm_planner = kinematics, collision, arm_planner
         self._options = options
         scene = problem.scene
         self._target = scene.objects[scene.target_index]
         self._movables = [o.name for o in scene.objects if o.mobility is Mobility.MOVABLE]
-        self._grasps = GraspCandidates(problem, arm, kinematics, collision, options)
+        self._grasps = GraspCandidates(problem, arm, kinematics, collision, options, patient)
         self._motion = RetrievalMotion(problem, arm, kinematics, options)
 
     def plan(
@@ -92,6 +95,17 @@ class GraspAndExtract(RetrievalPlanner):
             self._collision,
             self._arm_planner,
             options.model_copy(update=more),
+        )
+
+    def without(self, names: Collection[str]) -> RetrievalPlanner:
+        return GraspAndExtract(
+            self._problem,
+            self._arm,
+            self._kinematics,
+            IgnoringChecker(self._collision, names),
+            self._arm_planner,
+            self._options,
+            patient=False,
         )
 
     def _held_of(self, motion: Motion) -> HeldObject:

@@ -43,6 +43,7 @@ def test_json_is_the_only_thing_on_stdout(run):
         "parts": {"mapf": 0.25},
         "counts": {"rollouts": 4},
         "causes": {"o1/push/stalled": 7, "o1/push/no_ik": 3},
+        "explanation": None,
         "plan_file": "plan.json",
         "picture": None,
     }
@@ -64,8 +65,13 @@ def test_no_plan_says_why(run, outcome, status):
     assert done.code == 3
     assert f"two_things: {status}" in done.out
     assert "the target is walled in" in done.out
-    causes = [line.split() for line in done.out.splitlines()[-2:]]
-    assert causes == [["o1", "push", "stalled", "7"], ["o1", "push", "no_ik", "3"]]
+    assert (
+        "why: o1 stands in the way, and no action moved it: "
+        "with push the arm stalls (7 of 7 simulated)" in done.out
+    )
+    causes = [line.split()[:4] for line in done.out.splitlines()[-2:]]
+    assert causes == [["o1", "push", "7", "stalled"], ["o1", "push", "3", "no_ik"]]
+    assert "no plan: looking for what stands in the way" in done.err
     assert not os.path.exists("plan.json")
     assert os.path.exists("p.png")
 
@@ -73,7 +79,34 @@ def test_no_plan_says_why(run, outcome, status):
 def test_no_plan_as_json(run):
     done = run(*PLAN, "--set", "search.outcome=proved", "--json")
     assert done.code == 3
-    assert json.loads(done.out)["causes"] == {"o1/push/stalled": 7, "o1/push/no_ik": 3}
+    document = json.loads(done.out)
+    assert document["causes"] == {"o1/push/stalled": 7, "o1/push/no_ik": 3}
+    assert document["explanation"] == {
+        "headline": "o1 stands in the way, and no action moved it: "
+        "with push the arm stalls (7 of 7 simulated)",
+        "obstruction": "action",
+        "subjects": ["o1"],
+        "causes": ["stalled"],
+        "involved": [],
+        "details": [
+            {
+                "subject": "o1",
+                "action": "push",
+                "cause": "stalled",
+                "times": 7,
+                "words": "the arm stalls",
+                "involved": {},
+            },
+            {
+                "subject": "o1",
+                "action": "push",
+                "cause": "no_ik",
+                "times": 3,
+                "words": "no arm configuration brings the hand behind it",
+                "involved": {},
+            },
+        ],
+    }
 
 
 def test_a_plan_that_does_not_pass(run):
@@ -81,6 +114,10 @@ def test_a_plan_that_does_not_pass(run):
     assert done.code == 4
     assert "two_things: verification_failed" in done.out
     assert "tilt: o1 at 1.000 s" in done.out
+    assert "why:" not in done.out
+    assert [line.split()[:4] for line in done.out.splitlines()[-1:]] == [
+        ["o1", "push", "3", "no_ik"]
+    ]
     assert not os.path.exists("plan.json")
 
 

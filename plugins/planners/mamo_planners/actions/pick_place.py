@@ -9,7 +9,7 @@ object and letting go of it is planned free of contacts, which the verifier chec
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from mamo_planners.actions.grasp_set import GraspSet, grasps_of
 from mamo_planners.actions.handling import Drop, Handling, Parts, Pickup
 from mamo_planners.actions.pick_place_motion import MotionMaker
 from mamo_planners.actions.placement import FreeSpots, moved_to, turned, turns
+from mamo_planners.ignoring import IgnoringChecker
 from mamo_planners.options import PickPlaceOptions
 
 _KIND = "pick_place"
@@ -66,6 +67,13 @@ class PickPlace(ActionGenerator):
             query.failed("tipped")
             return
         yield from query.actions(grasps)
+
+    def without(self, names: Collection[str]) -> ActionGenerator:
+        """Where they stand is no free place either way."""
+        parts = self._parts
+        checker = IgnoringChecker(parts.collision, names)
+        args = parts.problem, parts.arm, parts.kinematics, checker, self._arm_planner
+        return PickPlace(*args, parts.options)
 
     def _grasps_of(self, name: str) -> GraspSet:
         if name not in self._grasps:

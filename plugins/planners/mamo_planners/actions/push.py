@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from itertools import islice
 
@@ -28,6 +28,7 @@ from mamo_planners.actions.push_geometry import (
     thesis_tool_poses,
 )
 from mamo_planners.footprints import Outlines, extent_along, free_slide
+from mamo_planners.ignoring import IgnoringChecker
 from mamo_planners.options import PushOptions
 
 _AGNOSTIC_LENGTHS = (0.06, 0.25)
@@ -57,13 +58,19 @@ class Push(ActionGenerator):
         collision: CollisionChecker,
         arm_planner: ArmPlanner,
         options: PushOptions,
+        gone: Collection[str] = (),
     ) -> None:
+        """``gone``: things that pushed objects do not meet."""
         self._problem, self._arm, self._options = problem, arm, options
         self._kinematics, self._collision, self._arm_planner = kinematics, collision, arm_planner
         self._opening = arm.gripper.closed
         scene = problem.scene
         self._movables = [o.name for o in scene.objects if o.mobility is Mobility.MOVABLE]
-        fixed = [i for i, o in enumerate(scene.objects) if o.mobility is not Mobility.MOVABLE]
+        fixed = [
+            i
+            for i, o in enumerate(scene.objects)
+            if o.mobility is not Mobility.MOVABLE and o.name not in gone
+        ]
         poses = problem.initial.object_poses
         self._obstacles = Outlines(
             [footprint_corners(scene.objects[i].shape, poses[i]) for i in fixed]
@@ -89,6 +96,17 @@ class Push(ActionGenerator):
             starts = self._starts(state, request.object_name, shape, pose, delta, rng, statistics)
         goal = np.stack([pose[:2], pose[:2] + delta])
         yield from self._approached(state, request.object_name, starts, goal, rng, statistics)
+
+    def without(self, names: Collection[str]) -> ActionGenerator:
+        return Push(
+            self._problem,
+            self._arm,
+            self._kinematics,
+            IgnoringChecker(self._collision, names),
+            self._arm_planner,
+            self._options,
+            gone=names,
+        )
 
     def _displacement(
         self, shape: Shape, pose: Array, request: ActionRequest, rng: np.random.Generator

@@ -130,6 +130,7 @@ class Execution:
         if witnesses is None:
             return None
         self._stats.counts["accepted"] += 1
+        self._stats.succeeded(action.object_name, action.kind)
         return Stand(leading, (*samples, *witnesses))
 
     def retrieval_from(

@@ -12,7 +12,8 @@ from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import Array
 from mamo_core.types.mapf import GoalPenalty, MAPFBudget
 from mamo_core.types.region import SweptRegion
-from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus
+from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus, Statistics
+from mamo_planners.diagnosis import diagnose
 from mamo_planners.search.abstraction import occupied
 from mamo_planners.search.judging import Accept
 from mamo_planners.search.options import GreedyOptions
@@ -37,7 +38,7 @@ class GreedySearch(SearchStrategy):
             rng,
             progress,
             options.grasp_tries,
-            MAPFBudget(options.mapf_nodes, options.mapf_expansions),
+            self._mapf_budget,
             options.goal_margin,
         )
         hopeless = 0
@@ -54,6 +55,13 @@ class GreedySearch(SearchStrategy):
             if budget.exhausted:
                 break
         return run.no_plan()
+
+    def diagnose(self, solution: Solution) -> Statistics:
+        return diagnose(self._parts, solution, self._mapf_budget, self._options.goal_margin)
+
+    @property
+    def _mapf_budget(self) -> MAPFBudget:
+        return MAPFBudget(self._options.mapf_nodes, self._options.mapf_expansions)
 
 
 class _Attempt:

@@ -12,6 +12,11 @@ from mamo_core.types.solution import Statistics
 from mamo_planners.search.safety import SafetyMargin
 
 Accept = Callable[[SceneState], bool]
+Fault = tuple[str, tuple[str, ...]]
+"""A cause, and the names of those involved in it."""
+
+_ARM = "robot"
+"""The name of entity ``types.rollout.ROBOT``."""
 
 
 class Judge:
@@ -26,40 +31,48 @@ class Judge:
         self, result: RolloutResult, action: RearrangementAction, accept: Accept | None
     ) -> bool:
         """Whether the action is valid, moves its object safely, and passes ``accept``."""
-        cause = next(self._faults(result, action, accept), None)
-        if cause is not None:
-            self._stats.failed(action.object_name, action.kind, cause)
-        return cause is None
+        fault = next(self._faults(result, action, accept), None)
+        if fault is not None:
+            cause, involved = fault
+            self._stats.failed(action.object_name, action.kind, cause, involved=involved)
+        return fault is None
 
     def retrieved(self, result: RolloutResult) -> bool:
         """Whether a retrieval is valid."""
-        for cause in _broken(result):
-            self._stats.failed("arm", "retrieval", cause)
+        for cause, involved in _broken(result):
+            self._stats.failed("arm", "retrieval", cause, involved=involved)
         return result.valid
 
     def _faults(
         self, result: RolloutResult, action: RearrangementAction, accept: Accept | None
-    ) -> Iterator[str]:
+    ) -> Iterator[Fault]:
         yield from _broken(result)
         if not self._safe.kept(result):
-            yield "too_close"
+            yield "too_close", ()
         if action.object_name not in result.moved:
-            yield "unmoved"
+            yield "unmoved", ()
         end = action.motion.end
         world = self._collision.world(
             result.final_state.object_poses, opening=action.motion.segments[-1].opening
         )
         if not world.free(end)[0]:
-            yield "arm_blocked_after"
+            yield "arm_blocked_after", ()
         if accept is not None and not accept(result.final_state):
-            yield "no_gain"
+            yield "no_gain", ()
 
 
-def _broken(result: RolloutResult) -> Iterator[str]:
+def _broken(result: RolloutResult) -> Iterator[Fault]:
     """Why a rollout is not valid; of its violations the first."""
     if result.lost is not None:
-        yield result.lost
+        yield result.lost, ()
     if result.stalled:
-        yield "stalled"
+        yield "stalled", touched_by_arm(result)
     for violation in result.violations[:1]:
-        yield violation.constraint
+        pair = () if violation.other is None else (violation.other,)
+        yield violation.constraint, (violation.subject, *pair)
+
+
+def touched_by_arm(result: RolloutResult) -> tuple[str, ...]:
+    """Names of what the arm touched."""
+    arm = {pair for pair in result.contacts if _ARM in pair}
+    return tuple(sorted({name for pair in arm for name in pair} - {_ARM}))

@@ -9,7 +9,8 @@ import numpy as np
 from mamo_core.interfaces.search_strategy import ProgressCallback, SearchStrategy
 from mamo_core.types.mapf import MAPFBudget
 from mamo_core.types.region import SweptRegion
-from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus
+from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus, Statistics
+from mamo_planners.diagnosis import diagnose
 from mamo_planners.search.goals import Failure, GoalMemory
 from mamo_planners.search.graph import GraphRules, RearrangementGraph
 from mamo_planners.search.options import GraphOptions
@@ -66,6 +67,9 @@ class RearrangementSearch(SearchStrategy):
             return run.no_plan()
         return Solution(SolutionStatus.SOLVED, best, run.statistics)
 
+    def diagnose(self, solution: Solution) -> Statistics:
+        return diagnose(self._parts, solution, self._mapf_budget, self._options.goal_margin)
+
     def _good_enough(self, best: Plan | None, since_best: int) -> bool:
         """Whether to stop, so many NGRs after the best plan was found.
 
@@ -83,9 +87,13 @@ class RearrangementSearch(SearchStrategy):
             rng,
             progress,
             options.grasp_tries,
-            MAPFBudget(options.mapf_nodes, options.mapf_expansions),
+            self._mapf_budget,
             options.goal_margin,
         )
+
+    @property
+    def _mapf_budget(self) -> MAPFBudget:
+        return MAPFBudget(self._options.mapf_nodes, self._options.mapf_expansions)
 
     def _database(self, run: SearchRun) -> PushDatabase | None:
         if not self._options.positive_database:
