@@ -10,11 +10,14 @@ from mamo_geometry.arrays import ChainArrays, SphereArrays, WorldArrays
 
 # Small functions are inlined by force: a call would copy the descriptors of all arrays.
 
+FAST = {"nnan", "ninf", "nsz"}
+"""What may be left out without other digits: with more, they depend on what was inlined where."""
+
 EDGE_STEP = 0.02
 """An edge is checked every so many metres that its furthest moving point may travel."""
 
 
-@njit(cache=True, fastmath=True, error_model="numpy", forceinline=True)
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
 def sine_cosine(x: float) -> tuple[float, float]:
     """Sine and cosine of an angle of a few turns, to 1e-15, faster than two calls of the library.
 
@@ -39,7 +42,7 @@ def sine_cosine(x: float) -> tuple[float, float]:
     return s, c
 
 
-@njit(cache=True, fastmath=True, error_model="numpy", forceinline=True)
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
 def link_frames(chain: ChainArrays, q: Array, R: Array, p: Array) -> None:
     """World rotations ``R`` (dof, 3, 3) and origins ``p`` (dof, 3) of all links at ``q``."""
     for i in range(q.shape[0]):
@@ -70,7 +73,7 @@ def link_frames(chain: ChainArrays, q: Array, R: Array, p: Array) -> None:
                 )
 
 
-@njit(cache=True, fastmath=True, error_model="numpy", forceinline=True)
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
 def _place(R: Array, p: Array, i: int, s: Array, k: int) -> tuple[float, float, float]:
     """Sphere ``k`` of ``s``, given in link ``i``, in the world."""
     x = p[i, 0] + R[i, 0, 0] * s[k, 0] + R[i, 0, 1] * s[k, 1] + R[i, 0, 2] * s[k, 2]
@@ -79,7 +82,7 @@ def _place(R: Array, p: Array, i: int, s: Array, k: int) -> tuple[float, float, 
     return x, y, z
 
 
-@njit(cache=True, fastmath=True, error_model="numpy", forceinline=True)
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
 def _near(w: WorldArrays, k: int, x: float, y: float, z: float, r: float) -> bool:
     """Whether a ball reaches primitive ``k``."""
     if (
@@ -106,7 +109,7 @@ def _near(w: WorldArrays, k: int, x: float, y: float, z: float, r: float) -> boo
     return over_x * over_x + over_y * over_y + over_z * over_z < r * r
 
 
-@njit(cache=True, fastmath=True, error_model="numpy", forceinline=True)
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
 def _shortlist(
     w: WorldArrays, link: int, x: float, y: float, z: float, r: float, near: IntArray
 ) -> int:
@@ -132,7 +135,7 @@ def _shortlist(
     return count
 
 
-@njit(cache=True, fastmath=True, error_model="numpy", forceinline=True)
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
 def _cluster_hits(
     s: SphereArrays, w: WorldArrays, R: Array, p: Array, i: int, c: int, near: IntArray, count: int
 ) -> bool:
@@ -159,7 +162,7 @@ def _cluster_hits(
     return False
 
 
-@njit(cache=True, fastmath=True, error_model="numpy")
+@njit(cache=True, fastmath=FAST, error_model="numpy")
 def is_free(
     chain: ChainArrays,
     s: SphereArrays,
@@ -320,7 +323,7 @@ def sweep_heights(
                         _stamp(x, y, z, s.spheres[k, 3], origin, resolution, lowest)
 
 
-@njit(cache=True, fastmath=True, error_model="numpy")
+@njit(cache=True, fastmath=FAST, error_model="numpy")
 def _stamp(
     x: float, y: float, z: float, r: float, origin: Array, resolution: float, lowest: Array
 ) -> None:
