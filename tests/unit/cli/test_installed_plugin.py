@@ -1,20 +1,19 @@
-"""The example distribution is found, listed and checked like any other plugin."""
+"""An installed distribution is found, listed and used like any other plugin."""
 
 import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-SMALL = Path(__file__).parents[2] / "golden" / "small_shelf.yaml"
-EXAMPLE = Path(__file__).parents[3] / "examples" / "third_party_plugin"
+from mamo_core.scaffold.package import write_package
 
 
 @pytest.fixture
-def environment(install):
-    return install(EXAMPLE)
+def package(tmp_path):
+    write_package("action", "shove", tmp_path / "own")
+    return tmp_path / "own"
 
 
 def mamo(environment, *arguments):
@@ -22,8 +21,8 @@ def mamo(environment, *arguments):
     return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
 
 
-def test_it_is_listed(environment):
-    done = mamo(environment, "plugins", "list", "--json")
+def test_it_is_listed(package, install):
+    done = mamo(install(package), "plugins", "list", "--json")
     assert done.returncode == 0, done.stderr
     document = json.loads(done.stdout)
     shove = [c for c in document["components"] if c["plugin"] == "shove"]
@@ -32,7 +31,7 @@ def test_it_is_listed(environment):
             "role": "action",
             "name": "shove",
             "plugin": "shove",
-            "summary": "push an object from a random side",
+            "summary": "straight pushes along the way an object should go",
             "provides": [],
         }
     ]
@@ -44,18 +43,17 @@ def test_without_it_there_is_no_shove():
     assert "shove" not in done.stdout
 
 
-def test_a_plan_with_it_passes_verification(environment, tmp_path):
-    """Its own recipe; pushes are refused, so that its own action has to do the work."""
-    plan = tmp_path / "plan.json"
+def test_who_lacks_it_can_verify_its_plans(package, install):
+    plan = package / "plan.json"
+    files = package / "problem.yaml", package / "recipe.yaml"
     done = mamo(
-        environment,
-        *("plan", str(SMALL), "--planner", str(EXAMPLE / "shove.yaml"), "-o", str(plan)),
-        *("--set", "actions.push.shortest=9", "--budget", "600", "--json"),
+        install(package),
+        *("plan", str(files[0]), "--planner", str(files[1]), "-o", str(plan)),
+        *("--budget", "600", "--json"),
     )
     assert done.returncode == 0, done.stdout + done.stderr
     document = json.loads(done.stdout)
     assert (document["status"], document["verified"]) == ("solved", True)
-    assert {"kind": "shove", "object": "blocker"} in document["actions"]
-    assert {action["kind"] for action in document["actions"]} == {"shove"}
+    assert document["actions"] == [{"kind": "shove", "object": "blocker"}]
     again = mamo(dict(os.environ), "verify", str(plan))
     assert again.returncode == 0, again.stdout + again.stderr
