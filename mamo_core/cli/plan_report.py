@@ -25,9 +25,8 @@ WORKER_CRASHED = 6
 class PlanReport:
     """A solution and what an independent verification said about it.
 
-    ``details``: what failed. ``explanation``: why
-    there is no plan, if there is none. ``cpu_seconds``: of planning, and of
-    verifying or explaining, engine processes included.
+    ``details``: what failed. ``explanation``: why there is no plan, if there is none.
+    ``cpu_seconds``: of planning, and of verifying or explaining, engine processes included.
     """
 
     problem: str

@@ -6,11 +6,8 @@ from collections import Counter
 
 from mamo_core.explain.explanation import Detail
 from mamo_core.explain.words import in_words
-from mamo_core.types.scene import Scene
+from mamo_core.types.scene import ROBOT_NAME, Scene
 from mamo_core.types.solution import Statistics
-
-ARM = "robot"
-"""The name of entity ``types.rollout.ROBOT``."""
 
 
 def details_of(scene: Scene, *counted: Statistics) -> tuple[Detail, ...]:
@@ -31,7 +28,7 @@ def _detail(key: str, times: int, involved: Counter[tuple[str, ...]], scene: Sce
     subject, action, cause = (*key.split("/", 2), "", "")[:3]
     others: Counter[str] = Counter()
     for names, count in involved.items():
-        others.update(dict.fromkeys(set(names) - {subject, ARM}, count))
+        others.update(dict.fromkeys(set(names) - {subject, ROBOT_NAME}, count))
     ranked = tuple(sorted(others.items(), key=lambda item: (-item[1], item[0])))
     alone = times - others.total()
     mostly = [name for name, _ in ranked] if ranked and ranked[0][1] >= alone else []

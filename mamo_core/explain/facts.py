@@ -6,11 +6,11 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from mamo_core.explain.details import ARM, details_of
+from mamo_core.explain.details import details_of
 from mamo_core.explain.explanation import Detail
 from mamo_core.explain.words import BLOCKED
 from mamo_core.types.problem import Problem
-from mamo_core.types.scene import Mobility
+from mamo_core.types.scene import ROBOT_NAME, Mobility
 from mamo_core.types.solution import Solution, Statistics
 
 RETRIEVAL, PATHS, REACH = "retrieval", "mapf", "reach"
@@ -19,7 +19,7 @@ RETRIEVAL, PATHS, REACH = "retrieval", "mapf", "reach"
 IN_THE_WAY = "in_the_way"
 """Counted by a second look for each movable that stands where a retrieval sweeps."""
 
-_ARM_SUBJECTS = ("arm", ARM, "plan")
+_ARM_SUBJECTS = ("arm", ROBOT_NAME, "plan")
 """Who executes: causes under these names are no object's."""
 
 _NO_ACTIONS = {RETRIEVAL, PATHS, REACH}

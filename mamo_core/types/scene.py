@@ -12,6 +12,9 @@ from mamo_core.types.geometry import Array, Shape, frozen_array, positive
 MINIMUM_MASS = 0.02
 """Lighter objects are not physical in the published scenes; importers clamp to this, kg."""
 
+ROBOT_NAME = "robot"
+"""The name of the first of a scene's entities."""
+
 
 class Mobility(StrEnum):
     """What may happen to an object."""
@@ -119,7 +122,7 @@ class Scene:
     @property
     def entities(self) -> tuple[str, ...]:
         """Names by entity number: 0 the robot, then the objects, then the fixtures."""
-        return ("robot", *(o.name for o in self.objects), *(f.name for f in self.fixtures))
+        return (ROBOT_NAME, *(o.name for o in self.objects), *(f.name for f in self.fixtures))
 
 
 @dataclass(frozen=True, eq=False)

@@ -98,7 +98,7 @@ class MuJoCoWorld(SimulatedWorld):
         self._data.eq_active[weld] = 1
 
     def snapshot(self) -> Any:
-        """All that a step begins with; a copy of ``MjData`` takes ten times the memory and time."""
+        """All that a step begins with; a copy of ``MjData`` takes far more memory and time."""
         counts = [getattr(self._data, name) for name in _COUNTS]
         return [field.copy() for field in self._fields], counts, self._model.eq_data.copy()
 

@@ -24,6 +24,7 @@ from mamo_planners.reaching.goals import Goals
 from mamo_planners.reaching.motions import Motions
 from mamo_planners.reaching.scenery import look_at
 from mamo_planners.reaching.stand import Executions, ReachingParts
+from mamo_planners.search.judging import touched_by_arm
 
 EngineFor = Callable[[Problem], TransitionModel]
 """The recipe's engine for another problem."""
@@ -85,7 +86,7 @@ class SelectiveSimulation(SearchStrategy):
 
 @dataclass(frozen=True, eq=False)
 class _Tracked:
-    """A verified ``plan``, or movables to blame and the edge (2, dof) that failed, if any."""
+    """A verified ``plan``, or movables to blame and, if a piece failed, its last edge (2, dof)."""
 
     plan: Plan | None
     culprits: tuple[str, ...] = ()
@@ -113,12 +114,13 @@ class _Tracking:
         """Execute it, and verify what comes of it."""
         executions = self._executions
         stand = executions.start(self._motions.opened(self._parts.problem.initial.joint_positions))
+        if stand is None:
+            return _Tracked(None, self._culprits())
         for piece in _pieces(planned):
-            if stand is not None:
-                stand = executions.after(stand, self._motions.sweep(piece))
-                if stand is None:
-                    return _Tracked(None, self._culprits(), piece[-2:])
-        plan = executions.finished(stand, planned.goal, rng) if stand is not None else None
+            stand = executions.after(stand, self._motions.sweep(piece))
+            if stand is None:
+                return _Tracked(None, self._culprits(), piece[-2:])
+        plan = executions.finished(stand, planned.goal, rng)
         return _Tracked(plan, self._culprits() if plan is None else ())
 
     def _culprits(self) -> tuple[str, ...]:
@@ -135,8 +137,7 @@ class _Tracking:
                 if name in self._movables:
                     yield name
         yield from (name for name in result.moved if name in self._movables)
-        touched = {name for pair in result.contacts if "robot" in pair for name in pair}
-        yield from sorted(touched & self._movables)
+        yield from (name for name in touched_by_arm(result) if name in self._movables)
 
 
 def _pieces(planned: Planned) -> Iterator[Array]:

@@ -7,16 +7,13 @@ from collections.abc import Callable, Iterator
 from mamo_core.interfaces.collision_checker import CollisionChecker
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.rollout import RolloutResult
-from mamo_core.types.scene import SceneState
+from mamo_core.types.scene import ROBOT_NAME, SceneState
 from mamo_core.types.solution import Statistics
 from mamo_planners.search.safety import SafetyMargin
 
 Accept = Callable[[SceneState], bool]
 Fault = tuple[str, tuple[str, ...]]
 """A cause, and the names of those involved in it."""
-
-_ARM = "robot"
-"""The name of entity ``types.rollout.ROBOT``."""
 
 
 class Judge:
@@ -74,5 +71,5 @@ def _broken(result: RolloutResult) -> Iterator[Fault]:
 
 def touched_by_arm(result: RolloutResult) -> tuple[str, ...]:
     """Names of what the arm touched."""
-    arm = {pair for pair in result.contacts if _ARM in pair}
-    return tuple(sorted({name for pair in arm for name in pair} - {_ARM}))
+    arm = {pair for pair in result.contacts if ROBOT_NAME in pair}
+    return tuple(sorted({name for pair in arm for name in pair} - {ROBOT_NAME}))
