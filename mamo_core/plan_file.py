@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from mamo_core.atomic import atomic_path
-from mamo_core.config import load_file, validated
+from mamo_core.config import Located, load_file, load_text, validated
 from mamo_core.plan_schema import (
     SCHEMA_VERSION,
     ActionDocument,
@@ -100,11 +100,23 @@ def read_plan(path: str | Path) -> PlanDocument:
     Raises:
         InputError: missing, truncated, or not what a plan file holds.
     """
+    return _read(load_file(path, max_bytes=MAX_BYTES), str(path))
+
+
+def read_plan_text(text: str, source: str) -> PlanDocument:
+    """What ``plan_text`` gave; ``source`` names it in errors.
+
+    Raises:
+        InputError: not what a plan file holds.
+    """
+    return _read(load_text(text, source, max_bytes=MAX_BYTES), source)
+
+
+def _read(located: Located, source: str) -> PlanDocument:
     from mamo_core.problems.documents import problem_from_document
 
-    located = load_file(path, max_bytes=MAX_BYTES)
     raw = validated(PlanFile, located)
-    problem = problem_from_document(located.data["problem"], f"{path}: problem")
+    problem = problem_from_document(located.data["problem"], f"{source}: problem")
     try:
         plan = Plan(
             actions=tuple(_action(item) for item in raw.actions),

@@ -132,7 +132,7 @@ def engines_for(
 def _write(
     order: CompareOrder, comparisons: list[PlanComparison], unsolved: list[dict[str, str]]
 ) -> None:
-    from mamo_core.compare.report import report_data, write_tracks
+    from mamo_core.compare.report import report_data
 
     if order.output is not None:
         data = {"schema_version": 1, **report_data(comparisons), "unsolved": unsolved}
@@ -142,7 +142,10 @@ def _write(
     if first is None or first.tracks is None:
         return
     if order.trace is not None:
-        write_tracks(order.trace, first.tracks)
+        from mamo_core.recording import recording_of, write_recording
+
+        reports = {execution.engine: execution.report for execution in first.executions}
+        write_recording(order.trace, recording_of(first.problem, first.plan, reports))
     if order.png is not None:
         from mamo_core.view.engines import draw_engines
 

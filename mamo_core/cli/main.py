@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
-from mamo_core.cli import compare, plan, plugins, problem, schema, study, verify, warmup
+from mamo_core.cli import compare, plan, plugins, problem, schema, study, verify, view, warmup
 from mamo_core.errors import MamoError
 
 INTERNAL_ERROR = 1
@@ -53,6 +53,7 @@ app = typer.Typer(
 )
 app.command("plan")(plan.plan)
 app.command("verify")(verify.verify)
+app.command("view")(view.view)
 app.command("compare")(compare.compare)
 app.add_typer(problem.app, name="problem")
 app.add_typer(study.app, name="study")

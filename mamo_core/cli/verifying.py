@@ -23,7 +23,7 @@ def run_verify(path: Path, backend: str | None, *, as_json: bool) -> int:
     """Replay, check and report; the exit code."""
     document = read_plan(path)
     _warn_of_other_versions(document)
-    recipe = _recipe(document, path, backend)
+    recipe = recipe_of(document, str(path), backend)
     registry = discover()
     warn_of_broken_plugins(registry)
     with progress() as tell:
@@ -36,7 +36,8 @@ def run_verify(path: Path, backend: str | None, *, as_json: bool) -> int:
     return WORKER_CRASHED if report.lost else DONE if report.ok else NOT_VERIFIED
 
 
-def _recipe(document: PlanDocument, path: Path, backend: str | None) -> LoadedRecipe:
+def recipe_of(document: PlanDocument, path: str, backend: str | None) -> LoadedRecipe:
+    """The recipe that stands in a plan file, with another engine if one is given."""
     located = Located(dict(document.recipe), f"{path}: recipe")
     if backend is not None:
         located = override(located, ["backend"], backend, "--backend")

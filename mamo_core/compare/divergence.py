@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mamo_core.compare.tracks import Tracks
+from mamo_core.recording.tracks import Tracks
 from mamo_core.types.geometry import Array, BoolArray, Cylinder, IntArray, z_axes
 from mamo_core.types.motion import Motion
 from mamo_core.types.scene import Scene

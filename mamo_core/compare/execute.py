@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mamo_core.compare.divergence import compare_actions
-from mamo_core.compare.tracks import align
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
+from mamo_core.recording.tracks import align
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.motion import Motion
 from mamo_core.types.problem import Problem

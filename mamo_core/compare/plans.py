@@ -9,8 +9,8 @@ from itertools import combinations
 
 from mamo_core.compare.divergence import ActionComparison, compare_actions
 from mamo_core.compare.execute import Execution, execute
-from mamo_core.compare.tracks import Tracks, align
 from mamo_core.interfaces.transition_model import TransitionModel
+from mamo_core.recording.tracks import Tracks, align
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.problem import Problem
 from mamo_core.types.solution import Plan

@@ -1,18 +1,13 @@
-"""Comparisons as plain data, and recorded tracks as a file."""
+"""Comparisons as plain data."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import degrees, isfinite
-from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from mamo_core.atomic import atomic_path
 from mamo_core.compare.divergence import ActionComparison
 from mamo_core.compare.plans import PlanComparison, Transfer, transfer_matrix
-from mamo_core.compare.tracks import Tracks
 
 
 def report_data(comparisons: Sequence[PlanComparison]) -> dict[str, Any]:
@@ -81,16 +76,3 @@ def _action_data(comparison: PlanComparison, action: ActionComparison) -> dict[s
 def _millimetres(comparison: PlanComparison, engine: str, action: int) -> float | None:
     floor = comparison.floor(engine, action)
     return 1e3 * floor if isfinite(floor) else None
-
-
-def write_tracks(path: Path, tracks: Tracks) -> None:
-    """An ``.npz`` file: ``times``, ``segments``, and by engine ``poses/NAME``, ``joints/NAME``,
-    ``openings/NAME`` and ``contacts/NAME``."""
-    arrays: dict[str, Any] = {"times": tracks.times, "segments": tracks.segments}
-    for name in tracks.poses:
-        arrays[f"poses/{name}"] = tracks.poses[name]
-        arrays[f"joints/{name}"] = tracks.joints[name]
-        arrays[f"openings/{name}"] = tracks.openings[name]
-        arrays[f"contacts/{name}"] = tracks.contacts[name]
-    with atomic_path(path) as work, work.open("wb") as file:
-        np.savez_compressed(file, **arrays)

@@ -16,6 +16,7 @@ import numpy as np
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import Array, Cylinder, Shape, footprint_corners
 from mamo_core.types.problem import Problem, Task
+from mamo_core.types.recording import Recording
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import Mobility, SceneObject, SceneState
 from mamo_core.types.solution import Plan
@@ -81,6 +82,13 @@ def draw(
     figure.suptitle(_title(problem, plan), fontsize=12)
     _legend(figure, problem, swept, actions)
     figure.savefig(str(path), format="png")
+
+
+def draw_recording(recording: Recording, path: str | Path) -> None:
+    """Write a PNG of the plan and of where the first engine brought everything."""
+    execution = recording.executions[0]
+    final = SceneState(execution.joints[-1], execution.poses[-1])
+    draw(recording.problem, path, plan=recording.plan, final_state=final)
 
 
 def _title(problem: Problem, plan: Plan | None) -> str:

@@ -2,8 +2,9 @@
 
 import json
 
-import numpy as np
 import pytest
+
+from mamo_core.recording import read_recording
 
 ENGINES = ("mujoco", "pybullet", "dart")
 
@@ -42,11 +43,24 @@ def test_compare(mamo, panda, tmp_path):
     assert [d["action"] for d in first["divergences"]] == list(range(len(first["actions"])))
     assert all(d["chaos_floor_mm"][0] is not None for d in first["divergences"])
     assert (tmp_path / "engines.png").read_bytes().startswith(b"\x89PNG")
-    with np.load(tmp_path / "tracks.npz") as tracks:
-        steps = len(tracks["times"])
-        for engine in ("mujoco", "pybullet"):
-            assert tracks[f"poses/{engine}"].shape[0] == steps
-            assert tracks[f"contacts/{engine}"].dtype == bool
+    recording = read_recording(tmp_path / "tracks.npz")
+    assert [e.engine for e in recording.executions] == ["mujoco", "pybullet"]
+    for execution in recording.executions:
+        assert len(execution.poses) == len(recording.times)
+        assert execution.contacts.dtype == bool
+
+
+def test_a_recording_is_shown_without_its_engine(mamo, panda, tmp_path):
+    """The plan executed once, kept, and drawn again where PyBullet is not installed."""
+    assert mamo("plan", panda, "-o", "plan.json").returncode == 0
+    files = ("-o", "kept.npz", "--png", "first.png")
+    done = mamo("view", "plan.json", "--backends", "pybullet", *files, "--json")
+    assert done.returncode == 0, done.stderr
+    assert list(json.loads(done.stdout)["failures"]) == ["pybullet"]
+    (tmp_path / "pybullet.py").write_text("raise ModuleNotFoundError")
+    again = mamo("view", "kept.npz", "--png", "again.png", path=tmp_path)
+    assert again.returncode == 0, again.stderr
+    assert (tmp_path / "first.png").read_bytes() == (tmp_path / "again.png").read_bytes()
 
 
 def test_plugins_check(mamo):

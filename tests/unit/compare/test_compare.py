@@ -7,7 +7,7 @@ import pytest
 
 from mamo_core.compare.divergence import APART, compare_actions, separation
 from mamo_core.compare.execute import shifted
-from mamo_core.compare.tracks import align
+from mamo_core.recording.tracks import align
 from mamo_core.testing.transition_cases import gantry_cases
 from mamo_core.types.geometry import make_pose
 from mamo_core.types.rollout import RolloutResult, Trace

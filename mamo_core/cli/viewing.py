@@ -1,0 +1,126 @@
+"""The work behind ``mamo view``."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mamo_core.atomic import atomic_path, check_writable
+from mamo_core.cli.output import print_json, progress, warn_of_broken_plugins
+from mamo_core.cli.verifying import recipe_of
+from mamo_core.compose import build_parts, choose
+from mamo_core.errors import InputError
+from mamo_core.interfaces.search_strategy import ProgressCallback
+from mamo_core.plan_file import read_plan
+from mamo_core.plugins import discover
+from mamo_core.recording import read_recording, record, write_recording
+from mamo_core.types.recording import Recording
+
+if TYPE_CHECKING:
+    from mamo_core.interfaces.transition_model import TransitionModel
+    from mamo_core.plan_file import PlanDocument
+    from mamo_core.robots.model import ArmModel
+
+RECORDING = ".npz"
+
+
+@dataclass(frozen=True)
+class ViewOrder:
+    """The arguments of ``mamo view``."""
+
+    subject: str
+    backends: tuple[str, ...] | None = None
+    output: Path | None = None
+    png: Path | None = None
+
+    @property
+    def files(self) -> Mapping[str, Path]:
+        """What is to be written, by kind."""
+        wanted = {"recording": self.output, "png": self.png}
+        return {kind: path for kind, path in wanted.items() if path is not None}
+
+
+def run_view(order: ViewOrder, *, as_json: bool) -> int:
+    """Record, or read a recording, and write every view of it; the exit code."""
+    _check(order)
+    with progress() as tell:
+        recording = _recording(order, tell)
+        for kind, path in order.files.items():
+            tell(f"writing {path}")
+            _write(kind, path, recording)
+    _print(order, recording, as_json=as_json)
+    return 0
+
+
+def _check(order: ViewOrder) -> None:
+    if not order.files:
+        raise InputError("nothing to show: give one or more of --png, -o")
+    if order.subject.endswith(RECORDING) and order.backends is not None:
+        raise InputError("--backends: a recording is shown as it is; give the plan instead")
+    if order.backends is not None and len(set(order.backends)) < len(order.backends):
+        raise InputError(f"--backends {','.join(order.backends)}: expected different engines")
+    for path in order.files.values():
+        check_writable(path)
+
+
+def _recording(order: ViewOrder, tell: ProgressCallback) -> Recording:
+    if order.subject.endswith(RECORDING):
+        return read_recording(order.subject)
+    document = read_plan(order.subject)
+    models, robot = _engines(document, order)
+    tell(f"executing the plan for {document.problem.name!r} in {', '.join(models)}")
+    try:
+        return record(document.problem, document.plan, models, robot)
+    except ValueError as error:
+        raise InputError(f"{order.subject}: {error}") from None
+
+
+def _engines(
+    document: PlanDocument, order: ViewOrder
+) -> tuple[Mapping[str, TransitionModel], ArmModel]:
+    """The plan's own engine, or those of ``--backends``, and the robot."""
+    registry = discover()
+    warn_of_broken_plugins(registry)
+    models: dict[str, TransitionModel] = {}
+    for backend in order.backends or (None,):
+        recipe = recipe_of(document, order.subject, backend)
+        choices = choose(recipe, document.problem, registry, ("constraint", "backend"))
+        context = build_parts(choices, document.problem)
+        models[recipe.recipe.backend.name] = context.part("backend")
+    return models, context.robot
+
+
+def _write(kind: str, path: Path, recording: Recording) -> None:
+    if kind == "recording":
+        write_recording(path, recording)
+        return
+    with atomic_path(path) as work:
+        _draw(work, recording)
+
+
+def _draw(path: Path, recording: Recording) -> None:
+    from mamo_core.view.engines import draw_engines
+    from mamo_core.view.topdown import draw_recording
+
+    if len(recording.executions) == 1:
+        draw_recording(recording, path)
+        return
+    draw_engines(recording.problem, {e.engine: e.poses for e in recording.executions}, path)
+
+
+def _print(order: ViewOrder, recording: Recording, *, as_json: bool) -> None:
+    failures = {e.engine: list(e.failures) for e in recording.executions}
+    files = {kind: str(path) for kind, path in order.files.items()}
+    if as_json:
+        seconds = float(recording.times[-1])
+        data = {"problem": recording.problem.name, "seconds": seconds, "failures": failures}
+        print_json("view", {**data, "files": files})
+        return
+    for engine, texts in failures.items():
+        verdict = "holds" if not texts else f"FAILS: {'; '.join(texts)}"
+        sys.stdout.write(f"{recording.problem.name} in {engine}: {verdict}\n")
+    for kind, file in files.items():
+        sys.stdout.write(f"  {kind}: {file}\n")
