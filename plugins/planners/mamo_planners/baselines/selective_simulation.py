@@ -121,7 +121,9 @@ class _Tracking:
             if stand is None:
                 return _Tracked(None, self._culprits(), piece[-2:])
         plan = executions.finished(stand, planned.goal, rng)
-        return _Tracked(plan, self._culprits() if plan is None else ())
+        if plan is not None:
+            return _Tracked(plan)
+        return _Tracked(None, self._culprits(), planned.path[-2:])  # a goal that leads nowhere
 
     def _culprits(self) -> tuple[str, ...]:
         result = self._executions.last
