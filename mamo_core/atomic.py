@@ -28,6 +28,22 @@ def check_writable(path: str | Path) -> None:
         raise InputError(f"{target}: folder {str(target.parent)!r} cannot be written")
 
 
+def check_folder(path: str | Path, wanted: str = "a folder") -> None:
+    """Find out before the work that a folder of results cannot be made or written.
+
+    Raises:
+        InputError: ``path`` is a file, the folder around it is missing, or it is not writable.
+    """
+    target = Path(path)
+    if target.exists() and not target.is_dir():
+        raise InputError(f"{target}: is a file, expected {wanted}")
+    nearest = target if target.is_dir() else target.parent
+    if not nearest.is_dir():
+        raise InputError(f"{target}: no such folder {str(target.parent)!r}")
+    if not os.access(nearest, os.W_OK):
+        raise InputError(f"{target}: folder {str(nearest)!r} cannot be written")
+
+
 @contextmanager
 def atomic_path(path: str | Path) -> Iterator[Path]:
     """A path to write to, renamed to ``path`` in the end, or deleted if the block fails.
@@ -68,12 +84,6 @@ def atomic_folder(path: str | Path) -> Iterator[Path]:
 
 
 def _check_free(target: Path) -> None:
-    if target.exists() and not target.is_dir():
-        raise InputError(f"{target}: is a file, expected a new or an empty folder")
+    check_folder(target, "a new or an empty folder")
     if target.is_dir() and any(target.iterdir()):
         raise InputError(f"{target}: the folder is not empty, expected a new or an empty one")
-    nearest = target if target.is_dir() else target.parent
-    if not nearest.is_dir():
-        raise InputError(f"{target}: no such folder {str(nearest)!r}")
-    if not os.access(nearest, os.W_OK):
-        raise InputError(f"{target}: folder {str(nearest)!r} cannot be written")

@@ -94,13 +94,17 @@ def report(
     seconds: Annotated[
         float, typer.Option(metavar="S", min=0.0, help="CPU time for --split-by.")
     ] = 1.0,
+    page: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Write index.html with pictures and plans beside it."),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Tables of a study: success, seconds, comparisons, causes."""
     from mamo_core.cli.studying import run_report
 
     split = (split_by, seconds) if split_by is not None else None
-    run_report(store, output, tuple(against or ()), split, as_json=json)
+    run_report(store, output, page, tuple(against or ()), split, as_json=json)
 
 
 @app.command()

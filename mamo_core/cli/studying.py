@@ -6,13 +6,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from mamo_core.atomic import check_writable
+from mamo_core.atomic import check_folder, check_writable
 from mamo_core.cli.output import print_json, print_table, progress, warn_of_broken_plugins
 from mamo_core.errors import InputError
 from mamo_core.plugins import discover
 from mamo_core.study.run import StudyOrder, run_study
 from mamo_core.study.status import status_of
-from mamo_core.study.store import open_store
+from mamo_core.study.store import Store, open_store
 
 _COUNTS = ("total", "done", "pending", "failed", "solved", "verified")
 
@@ -46,6 +46,7 @@ def _print_status(command: str, status: dict[str, Any], *, as_json: bool) -> Non
 def run_report(
     path: Path,
     output: Path | None,
+    page: Path | None,
     against: tuple[str, ...],
     split: tuple[str, float] | None,
     *,
@@ -58,14 +59,25 @@ def run_report(
     if output is not None:
         check_ending(output)
         check_writable(output)
+    if page is not None:
+        check_folder(page)
     with open_store(path) as store:
         data = report_data(store, against, Split(*split) if split is not None else None)
+        if page is not None:
+            _write_page(store, page, data)
     if output is not None:
         write_report(data, output)
     if as_json:
         print_json("study report", data)
-    elif output is None:
+    elif output is None and page is None:
         sys.stdout.write(report_text(data, ".md"))
+
+
+def _write_page(store: Store, page: Path, data: dict[str, Any]) -> None:
+    from mamo_core.study.page import write_page
+
+    with progress() as tell:
+        write_page(store, page, data, tell)
 
 
 def run_export(path: Path, output: Path | None, plans: Path | None) -> None:

@@ -49,13 +49,14 @@ def write_plans(store: Store, folder: Path) -> int:
     count = 0
     for row in store.rows():
         if row.key in texts:
-            with atomic_path(folder / f"{_file_name(row)}.json") as work:
+            with atomic_path(folder / f"{file_name(row)}.json") as work:
                 work.write_bytes(zlib.decompress(texts[row.key]))
             count += 1
     return count
 
 
-def _file_name(row: Row) -> str:
+def file_name(row: Row) -> str:
+    """A name without ending that tells the row from all others of a study."""
     words = (row.set_name, row.problem_id, row.recipe, row.engine, f"seed{row.seed}")
     return re.sub(r"[^\w.=-]+", "_", "__".join(words))
 

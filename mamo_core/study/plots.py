@@ -45,6 +45,24 @@ def scatter_plot(comparison: Mapping[str, Any], budget: float) -> str:
     return _svg(figure, comparison["planner"])
 
 
+def share_plot(data: Mapping[str, Any]) -> str:
+    """Parts of the CPU time of all problems: a bar for each planner, in per cent."""
+    lines = [line for line in data["shares"] if line["parts"]]
+    parts = list(dict.fromkeys(part for line in lines for part in line["parts"]))
+    figure = Figure(figsize=(8.0, 1.2 + 0.4 * len(lines)), layout="constrained")
+    axes = figure.subplots()
+    names = [_plain(f"{line['planner']} ({line['cpu_s']:.0f} s)") for line in lines]
+    begins = [0.0] * len(lines)
+    for number, part in enumerate(parts):
+        shares = [100.0 * line["parts"].get(part, 0.0) for line in lines]
+        axes.barh(names, shares, left=begins, label=_plain(part), color=f"C{number % 10}")
+        begins = [begin + share for begin, share in zip(begins, shares, strict=True)]
+    axes.set(xlim=(0, 100), xlabel="CPU time of all problems, %")
+    axes.invert_yaxis()
+    figure.legend(loc="outside right upper", fontsize=8, frameon=False)
+    return _svg(figure, "shares")
+
+
 def _label(axes: Axes, x: str, y: str) -> None:
     axes.set_xlabel(_plain(x))
     axes.set_ylabel(_plain(y))

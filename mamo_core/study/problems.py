@@ -25,6 +25,9 @@ from mamo_core.types.problem import Problem
 
 _PUBLISHED = "scenes/"
 
+DOCUMENT = "document"
+"""The kind of fact under which a store keeps the problems of its tasks, by their hash."""
+
 
 @dataclass(frozen=True)
 class Picked:

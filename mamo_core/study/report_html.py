@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
-from mamo_core.study.plots import curve_plot, scatter_plot
+from mamo_core.study.plots import curve_plot, scatter_plot, share_plot
 from mamo_core.study.tables import Table, notes, report_tables
 
 _STYLE = """
@@ -16,11 +16,13 @@ th, td { padding: .2rem .6rem; text-align: right; border-bottom: 1px solid #ddd 
 th:first-child, td:first-child { text-align: left }
 th { background: #f4f4f4 }
 svg { max-width: 100%; height: auto }
+a { text-decoration: none } a:hover { text-decoration: underline }
+.good { color: #1a7f37 } .bad { color: #b35900 }
 """
 
 
-def html_report(data: Mapping[str, Any]) -> str:
-    """Tables, notes and plots."""
+def html_report(data: Mapping[str, Any], problems: str = "") -> str:
+    """Tables, notes and plots; ``problems``: HTML of a table of all problems, if there is one."""
     title = escape(f"Study {data['study']}")
     body = [f"<h1>{title}</h1>"]
     body += [f"<p>{escape(words)}</p>" for words in notes(data)]
@@ -29,7 +31,10 @@ def html_report(data: Mapping[str, Any]) -> str:
     for comparison in data["comparisons"]:
         names = f"{comparison['planner']} against {comparison['baseline']}"
         body += [f"<h2>{escape(names)}</h2>", scatter_plot(comparison, data["budget_s"])]
+    if any(line["parts"] for line in data["shares"]):
+        body += ["<h2>Where the CPU time went</h2>", share_plot(data)]
     body += [_table(table) for table in report_tables(data)]
+    body += [problems] if problems else []
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
         f"<style>{_STYLE}</style></head>\n<body>\n" + "\n".join(body) + "\n</body></html>\n"

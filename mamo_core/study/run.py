@@ -16,7 +16,7 @@ from mamo_core.study.code import code_version
 from mamo_core.study.definition import Study, Variant, load_study
 from mamo_core.study.facts import UNKNOWN, Researcher, Tell
 from mamo_core.study.jobs import Executor
-from mamo_core.study.problems import StudyProblem
+from mamo_core.study.problems import DOCUMENT, StudyProblem
 from mamo_core.study.rows import Row, row_of
 from mamo_core.study.status import status_of
 from mamo_core.study.store import Store, create_store, is_failed
@@ -153,6 +153,9 @@ class _Run:
 
     def _describe(self, items: list[Item]) -> None:
         self._store.set_tasks([task for task, _, _ in items])
+        for problem in {item[1].hash: item[1] for item in items}.values():
+            if self._store.fact(DOCUMENT, problem.hash) is None:
+                self._store.set_fact(DOCUMENT, problem.hash, self._code, problem.document)
         self._store.set_about(
             study=self._study.name,
             file=str(self._order.study),

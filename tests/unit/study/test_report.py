@@ -212,7 +212,7 @@ def test_notes_on_what_is_not_as_it_should_be():
 
 def test_html_report_needs_no_other_file(data):
     text = report_text(data, ".html")
-    assert text.count("<svg") == text.count("</svg>") == 2
+    assert text.count("<svg") == text.count("</svg>") == 3  # curves, pairs, shares
     assert "<td>the worker was ended by SIGSEGV</td>" in text
     for outside in ("<script", "<link", "<img", "@import", "src="):
         assert outside not in text
