@@ -17,6 +17,7 @@ th:first-child, td:first-child { text-align: left }
 th { background: #f4f4f4 }
 svg { max-width: 100%; height: auto }
 a { text-decoration: none } a:hover { text-decoration: underline }
+.plots { display: flex; flex-wrap: wrap; gap: 1rem } .plots svg { width: 23rem }
 .good { color: #1a7f37 } .bad { color: #b35900 }
 """
 
@@ -28,9 +29,8 @@ def html_report(data: Mapping[str, Any], problems: str = "") -> str:
     body += [f"<p>{escape(words)}</p>" for words in notes(data)]
     if data["curves"]:
         body += ["<h2>Success over CPU time</h2>", curve_plot(data)]
-    for comparison in data["comparisons"]:
-        names = f"{comparison['planner']} against {comparison['baseline']}"
-        body += [f"<h2>{escape(names)}</h2>", scatter_plot(comparison, data["budget_s"])]
+    if data["comparisons"]:
+        body += ["<h2>Problem by problem</h2>", _pairs(data)]
     if any(line["parts"] for line in data["shares"]):
         body += ["<h2>Where the CPU time went</h2>", share_plot(data)]
     body += [_table(table) for table in report_tables(data)]
@@ -39,6 +39,12 @@ def html_report(data: Mapping[str, Any], problems: str = "") -> str:
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
         f"<style>{_STYLE}</style></head>\n<body>\n" + "\n".join(body) + "\n</body></html>\n"
     )
+
+
+def _pairs(data: Mapping[str, Any]) -> str:
+    """The plots of all comparisons beside each other."""
+    plots = (scatter_plot(comparison, data["budget_s"]) for comparison in data["comparisons"])
+    return f'<div class="plots">\n{"".join(plots)}</div>'
 
 
 def _table(table: Table) -> str:
