@@ -146,7 +146,7 @@ class RearrangementGraph:
         aim = None
         if path is not None:
             aim = Aim(name, path[-1], len(kinds))
-            vertex.aims.append(aim)
+            vertex.add_aim(aim)
         request = ActionRequest(name, path, self._region)
         for kind in kinds:
             cost = self._rules.costs.get(kind, 1.0)

@@ -49,6 +49,7 @@ class Vertex:
     hallucinated: int = 0
     retrieval_tried: bool = False
     failures: Counter[tuple[str, str]] = field(default_factory=Counter)
+    _wanted: set[tuple[str, float, float]] = field(default_factory=set)
 
     @property
     def state(self) -> SceneState:
@@ -60,9 +61,18 @@ class Vertex:
         """Number of actions on the way."""
         return len(self.actions)
 
+    def add_aim(self, aim: Aim) -> None:
+        """MAPF wants that now."""
+        self.aims.append(aim)
+        self._wanted.add(_key(aim.name, aim.goal))
+
     def has_aim(self, name: str, goal: Array) -> bool:
         """Whether MAPF wanted exactly that before."""
-        return any(aim.name == name and (aim.goal == goal).all() for aim in self.aims)
+        return _key(name, goal) in self._wanted
+
+
+def _key(name: str, goal: Array) -> tuple[str, float, float]:
+    return name, float(goal[0]), float(goal[1])
 
 
 @dataclass(frozen=True, eq=False)
