@@ -107,8 +107,24 @@ def _write(order: PlanOrder, problem: Problem, recipe: LoadedRecipe, report: Pla
             causes=statistics.causes,
         )
         write_plan(order.output, document)
-    if order.png is not None:
+    if order.png is not None and plan is None and report.explanation is not None:
+        _draw_failure(order.png, problem, report.explanation)
+    elif order.png is not None:
         _draw(order.png, problem, plan, report.verification)
+
+
+def _draw_failure(path: Path, problem: Problem, why: Explanation) -> None:
+    from mamo_core.view.failure import draw_failure
+
+    with atomic_path(path) as work:
+        draw_failure(
+            problem,
+            work,
+            headline=why.headline,
+            subjects=why.subjects,
+            involved=why.involved,
+            rows=[(d.subject, d.action, d.times, d.words) for d in why.details],
+        )
 
 
 def _draw(path: Path, problem: Problem, plan: Plan | None, report: VerifyReport | None) -> None:

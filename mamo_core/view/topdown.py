@@ -69,9 +69,7 @@ def draw(
     axes = figure.subplots(1, panels, squeeze=False)[0]
     swept = region if region is not None else (plan.region if plan is not None else None)
     actions = plan.actions if plan is not None else ()
-    surroundings(axes[0], problem, swept)
-    _objects(axes[0], problem, problem.initial)
-    _goals(axes[0], problem)
+    scene_from_above(axes[0], problem, swept)
     _actions(axes[0], actions)
     if final_state is not None:
         axes[0].set_title("before", fontsize=10)
@@ -106,6 +104,13 @@ def _last_part(problem: Problem) -> str:
 def _seen(points: Array) -> Array:
     """World x, y (k, 2) as picture coordinates: y across, x up."""
     return np.asarray(points, dtype=np.float64)[:, ::-1]
+
+
+def scene_from_above(axes: Any, problem: Problem, region: SweptRegion | None = None) -> None:
+    """Everything that is there before anything happens."""
+    surroundings(axes, problem, region)
+    _objects(axes, problem, problem.initial)
+    _goals(axes, problem)
 
 
 def surroundings(axes: Any, problem: Problem, region: SweptRegion | None) -> None:
