@@ -92,8 +92,9 @@ def report(
         ),
     ] = None,
     seconds: Annotated[
-        float, typer.Option(metavar="S", min=0.0, help="CPU time for --split-by.")
-    ] = 1.0,
+        float | None,
+        typer.Option(metavar="S", min=0.0, help="CPU time for --split-by (default: 1)."),
+    ] = None,
     page: Annotated[
         Path | None,
         typer.Option(metavar="FOLDER", help="Write index.html with pictures and plans beside it."),
@@ -103,8 +104,7 @@ def report(
     """Tables of a study: success, seconds, comparisons, causes."""
     from mamo_core.cli.studying import run_report
 
-    split = (split_by, seconds) if split_by is not None else None
-    run_report(store, output, page, tuple(against or ()), split, as_json=json)
+    run_report(store, output, page, tuple(against or ()), (split_by, seconds), as_json=json)
 
 
 @app.command()

@@ -11,6 +11,7 @@ from mamo_core.cli.output import print_json, print_table, progress, warn_of_brok
 from mamo_core.errors import InputError
 from mamo_core.plugins import discover
 from mamo_core.study.run import StudyOrder, run_study
+from mamo_core.study.split import Split
 from mamo_core.study.status import status_of
 from mamo_core.study.store import Store, open_store
 
@@ -48,21 +49,21 @@ def run_report(
     output: Path | None,
     page: Path | None,
     against: tuple[str, ...],
-    split: tuple[str, float] | None,
+    split: tuple[str | None, float | None],
     *,
     as_json: bool,
 ) -> None:
     """Print the report, or write it."""
     from mamo_core.study.report import check_ending, report_data, report_text, write_report
-    from mamo_core.study.split import Split
 
+    chosen = _split(*split)
     if output is not None:
         check_ending(output)
         check_writable(output)
     if page is not None:
         check_folder(page)
     with open_store(path) as store:
-        data = report_data(store, against, Split(*split) if split is not None else None)
+        data = report_data(store, against, chosen)
         if page is not None:
             _write_page(store, page, data)
     if output is not None:
@@ -71,6 +72,15 @@ def run_report(
         print_json("study report", data)
     elif output is None and page is None:
         sys.stdout.write(report_text(data, ".md"))
+
+
+def _split(recipe: str | None, seconds: float | None) -> Split | None:
+    """What ``--split-by`` and ``--seconds`` ask for."""
+    if recipe is not None:
+        return Split(recipe) if seconds is None else Split(recipe, seconds)
+    if seconds is not None:
+        raise InputError(f"--seconds {seconds:g}: is for --split-by, which is not given")
+    return None
 
 
 def _write_page(store: Store, page: Path, data: dict[str, Any]) -> None:

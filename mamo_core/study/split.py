@@ -16,7 +16,7 @@ class Split:
     """By whether ``recipe`` succeeded within so many CPU ``seconds``."""
 
     recipe: str
-    seconds: float
+    seconds: float = 1.0
 
 
 def split_by_time(rows: Iterable[Row], split: Split) -> list[Row]:

@@ -122,6 +122,15 @@ def test_a_report_of_nothing(tmp_path, monkeypatch, capsys):
     assert "no task is finished yet" in capsys.readouterr().err
 
 
+def test_seconds_without_a_split_are_refused(tmp_path, capsys):
+    from mamo_core.cli.main import main
+
+    with pytest.raises(SystemExit) as caught:
+        main(["study", "report", str(tmp_path / "s.db"), "--seconds", "3"])
+    assert caught.value.code == 2
+    assert "--seconds 3: is for --split-by" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("path", sorted((ROOT / "studies").glob("*.yaml")), ids=lambda p: p.name)
 def test_shipped_studies_can_be_read(path):
     from mamo_core.study.definition import load_study
