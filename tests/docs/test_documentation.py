@@ -15,8 +15,11 @@ from mamo_core.problems import load_problem
 from mamo_core.recipes import find_recipe, load_recipe, shipped_recipes
 from mamo_core.types.problem import Task
 
-ROOT = Path(__file__).parents[3]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+ROOT = Path(__file__).parents[2]
+PAGES = [
+    *sorted(ROOT.glob("*.md")),
+    *(path for part in ("docs", "mamo_core") for path in sorted((ROOT / part).rglob("*.md"))),
+]
 PROBLEM = ROOT / "problems" / "shelf_5_easy_seed1.yaml"
 REACH = ROOT / "problems" / "tabletop_6_6_seed1.yaml"
 REACHING = [
@@ -36,13 +39,24 @@ def blocks(language):
     return found
 
 
+def prose(page):
+    """A page without its blocks of code."""
+    return re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+
+
 def links():
-    """(page, target) of every link to a file."""
+    """(page, target) of every link within the repository, to files and to headings."""
     return [
-        pytest.param(page, target, id=f"{page.name}-{target}")
+        pytest.param(page, target, id=f"{page.relative_to(ROOT)}-{target}")
         for page in PAGES
-        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8"))
+        for target in re.findall(r"\]\(([^):]+)\)", prose(page))
     ]
+
+
+def anchors(page):
+    """What GitHub makes of the headings."""
+    headings = re.findall(r"^#+ (.+)$", prose(page), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
 @pytest.fixture(scope="module")
@@ -75,8 +89,11 @@ def test_shipped_recipes_compose(name, problem, registry):
 
 
 @pytest.mark.parametrize(("page", "target"), links())
-def test_linked_files_exist(page, target):
-    assert (page.parent / target).exists()
+def test_links_lead_somewhere(page, target):
+    name, _, anchor = target.partition("#")
+    file = page.parent / name if name else page
+    assert file.exists()
+    assert not anchor or anchor in anchors(file)
 
 
 @pytest.mark.parametrize("name", REACHING)
