@@ -18,8 +18,11 @@ html_show_copyright = False
 pygments_dark_style = "monokai"
 
 NAVIGATION = {
-    "Tutorials": ("write_a_plugin",),
-    "How to": ("studies", "when_no_plan_is_found"),
+    "Tutorials": ("start", "write_a_plugin"),
+    "How to": (
+        *("compose_a_planner", "write_a_backend", "compare_engines", "studies"),
+        "when_no_plan_is_found",
+    ),
     "Reference": (
         *("reference_cli", "planners", "workspaces", "conventions"),
         *("reference/options", "reference/files", "reference/hooks", "reference/interfaces"),

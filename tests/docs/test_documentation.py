@@ -83,6 +83,12 @@ def test_recipes_in_the_docs_compose(text, problem, registry):
     assert compose(load_recipe(load_text(text, "docs")), problem, registry).search is not None
 
 
+@pytest.mark.parametrize("text", blocks("yaml problem"))
+def test_problems_in_the_docs_are_valid(text, tmp_path):
+    (tmp_path / "problem.yaml").write_text(text, encoding="utf-8")
+    assert load_problem(tmp_path / "problem.yaml").scene.objects
+
+
 @pytest.mark.parametrize("name", shipped_recipes())
 def test_shipped_recipes_compose(name, problem, registry):
     assert compose(load_recipe(find_recipe(name)), problem, registry).search is not None
@@ -112,3 +118,10 @@ def test_all_others_are_refused_for_a_reach(registry):
 
 def test_there_is_something_to_test():
     assert min(len(blocks("python")), len(blocks("yaml"))) >= 2
+    assert blocks("yaml problem")
+
+
+def test_every_yaml_block_is_of_a_kind_that_is_tested():
+    """``yaml study`` is read where studies are tested, or run by a tutorial."""
+    kinds = {line for page in PAGES for line in re.findall(r"^```(yaml.*)", page.read_text(), re.M)}
+    assert kinds == {"yaml", "yaml problem", "yaml study"}

@@ -8,7 +8,7 @@ from dataclasses import MISSING, Field, fields, is_dataclass
 from enum import Enum
 from typing import Any
 
-WIDTH = 88
+WIDTH = 100
 
 
 def function_block(
@@ -25,7 +25,7 @@ def function_block(
 def class_block(found: type) -> str:
     """The fields of a dataclass, or the members of an enumeration."""
     if issubclass(found, Enum):
-        lines = [f"{name} = {member.value!r}" for name, member in found.__members__.items()]
+        lines = [f"{name} = {_value(member.value)}" for name, member in found.__members__.items()]
     else:
         assert is_dataclass(found), found
         lines = [_field(field) for field in fields(found)]
@@ -76,7 +76,8 @@ def _field(field: Field[Any]) -> str:
 
 
 def _value(value: Any) -> str:
-    return value.__name__ if inspect.isclass(value) else repr(value)
+    """As it is written in our code: classes by their names, text in double quotes."""
+    return value.__name__ if inspect.isclass(value) else repr(value).replace("'", '"')
 
 
 def _block(text: str) -> str:
