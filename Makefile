@@ -22,7 +22,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup demo test check bench clean
+.PHONY: help setup demo test check bench docs reference clean
 .DEFAULT_GOAL := help
 
 help:
@@ -30,6 +30,8 @@ help:
 	@echo "make test    linters, types, import rules, all tests"
 	@echo "make check   the same without the tests"
 	@echo "make bench   speed of the parts beside their targets"
+	@echo "make docs    the documentation as a site (out/docs/index.html)"
+	@echo "make reference  its pages that are written from the code (docs/reference)"
 	@echo "make setup   only the virtual environment $(VENV), with compiled kernels"
 	@echo "make clean   remove everything that was made"
 
@@ -58,6 +60,7 @@ check: $(INSTALLED)
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	MYPYPATH=benchmarks $(BIN)/mypy benchmarks/*.py
+	MYPYPATH=tools $(BIN)/mypy tools/*.py
 	MYPYPATH=$(subst $(SPACE),:,$(TEMPLATES)) $(BIN)/mypy $(TEMPLATES:%=%/*/*.py)
 	$(BIN)/lint-imports
 
@@ -66,6 +69,13 @@ test: check $(WARM)
 
 bench: $(WARM)
 	$(BIN)/python benchmarks/micro.py
+
+docs: $(INSTALLED)
+	$(BIN)/python -m sphinx -q -W --keep-going -d out/docs.cache docs out/docs
+	@echo "out/docs/index.html"
+
+reference: $(INSTALLED)
+	$(BIN)/python tools/reference.py
 
 clean:
 	rm -rf $(VENV) out build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache \

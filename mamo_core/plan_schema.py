@@ -18,7 +18,7 @@ class _Document(BaseModel):
 class SegmentDocument(_Document):
     """One stretch of a motion."""
 
-    kind: SegmentKind
+    kind: SegmentKind = Field(description="what the arm does meanwhile")
     times: tuple[float, ...] = Field(min_length=1, description="s, from 0")
     positions: tuple[tuple[float, ...], ...] = Field(description="joint positions at times, rad")
     opening: float = Field(description="gap between the fingers at the end, m")
@@ -31,7 +31,7 @@ class MotionDocument(_Document):
     """Segments executed one after the other."""
 
     opening: float = Field(description="gap between the fingers at the start, m")
-    segments: tuple[SegmentDocument, ...] = Field(min_length=1)
+    segments: tuple[SegmentDocument, ...] = Field(min_length=1, description="in order")
 
 
 class ActionDocument(_Document):
@@ -40,8 +40,8 @@ class ActionDocument(_Document):
     kind: str = Field(description="action generator that proposed it")
     object: str = Field(description="object it is meant to move")
     path: tuple[tuple[float, ...], ...] = Field(description="world xy to follow, m")
-    motion: MotionDocument
-    info: dict[str, Any]
+    motion: MotionDocument = Field(description="what the arm does, from where it is")
+    info: dict[str, Any] = Field(description="remarks of the action generator")
 
 
 class RegionDocument(_Document):
@@ -58,14 +58,14 @@ class RegionDocument(_Document):
 class PlanFile(_Document):
     """A verified plan that replays itself."""
 
-    schema_version: Literal[1]
+    schema_version: Literal[1] = Field(description="version of this format")
     problem: dict[str, Any] = Field(description="a problem document")
     recipe: dict[str, Any] = Field(description="the recipe it was planned with")
-    seed: int
-    status: Literal["solved"]
+    seed: int = Field(description="seed of the search")
+    status: Literal["solved"] = Field(description="only plans that were found are written")
     versions: dict[str, str] = Field(description="packages that made it")
     counts: dict[str, int] = Field(description="work done, by kind")
     causes: dict[str, int] = Field(description="failures by subject/action/cause")
-    actions: tuple[ActionDocument, ...]
-    retrieval: MotionDocument
-    region: RegionDocument | None
+    actions: tuple[ActionDocument, ...] = Field(description="rearrangements in order")
+    retrieval: MotionDocument = Field(description="the motion that does the task, at the end")
+    region: RegionDocument | None = Field(description="the NGR that was cleared")

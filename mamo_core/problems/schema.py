@@ -115,19 +115,23 @@ class GraspEntry(PoseEntry):
 class ConstraintEntry(Options):
     """An interaction constraint by its registered name."""
 
-    name: str
+    name: str = Field(description="name of the component")
     options: dict[str, Any] = Field(default_factory=dict, description="its options, SI units")
 
 
 class ProblemDocument(Options):
     """A problem of manipulation among movable objects; SI units and radians throughout."""
 
-    schema_version: Literal[1]
-    name: Name
-    robot: RobotEntry
-    workspace: WorkspaceEntry
-    fixtures: tuple[FixtureEntry, ...] = ()
-    objects: tuple[ObjectEntry, ...] = Field(min_length=1)
+    schema_version: Literal[1] = Field(description="version of this format")
+    name: Name = Field(description="name of the problem")
+    robot: RobotEntry = Field(description="the arm")
+    workspace: WorkspaceEntry = Field(description="where the objects belong")
+    fixtures: tuple[FixtureEntry, ...] = Field(
+        default=(), description="walls and boards, which nothing moves"
+    )
+    objects: tuple[ObjectEntry, ...] = Field(
+        min_length=1, description="everything that stands there, the target among them"
+    )
     target: str = Field(description="name of the object to retrieve, or to reach for")
     task: Literal["retrieve", "reach"] = Field(
         default="retrieve",

@@ -32,7 +32,9 @@ class FileSource(_Strict):
 class Generation(_Strict):
     """Shelves as of ``mamo problem generate shelf``, for each level and number of movables."""
 
-    levels: tuple[Literal["easy", "medium", "hard"], ...] = Field(min_length=1)
+    levels: tuple[Literal["easy", "medium", "hard"], ...] = Field(
+        min_length=1, description="1, 2, or more movables in the way of the retrieval"
+    )
     movables: tuple[Count, ...] = Field(min_length=1, description="numbers of movables")
     count: Count = Field(default=1, description="problems for each level and number")
     seed: Natural = Field(default=0, description="seed of the first; the others follow")
@@ -41,13 +43,13 @@ class Generation(_Strict):
 class GeneratedSource(_Strict):
     """Shelves that are generated; a set for each number of movables."""
 
-    generate: Generation
+    generate: Generation = Field(description="which ones")
 
 
 class WorkspaceGeneration(_Strict):
     """Reaches as of ``mamo problem generate tabletop`` and ``refrigerator``."""
 
-    workspace: Literal["tabletop", "refrigerator"]
+    workspace: Literal["tabletop", "refrigerator"] = Field(description="where to reach")
     movables: Natural | None = Field(
         default=None, description="number of movables (default: 6 or 3, as in the thesis)"
     )
@@ -61,7 +63,7 @@ class WorkspaceGeneration(_Strict):
 class WorkspaceSource(_Strict):
     """Reaches in a workspace of thesis chapter 3 that are generated."""
 
-    generate: WorkspaceGeneration
+    generate: WorkspaceGeneration = Field(description="which ones")
     set: str | None = Field(default=None, description="name of the set (default: the workspace's)")
 
 
@@ -90,7 +92,9 @@ class StudyFile(_Strict):
     engines: tuple[str, ...] | None = Field(
         default=None, min_length=1, description="instead of the recipes' own"
     )
-    seeds: tuple[Natural, ...] = Field(default=(0,), min_length=1)
+    seeds: tuple[Natural, ...] = Field(
+        default=(0,), min_length=1, description="each problem is solved once with each"
+    )
     budget: float = Field(default=60.0, gt=0.0, description="CPU s for planning a problem")
     deadline: float | None = Field(
         default=None, gt=0.0, description="wall s for a task (default: 4 x budget + 60)"

@@ -15,8 +15,11 @@ from mamo_core.problems import load_problem
 from mamo_core.recipes import find_recipe, load_recipe, shipped_recipes
 from mamo_core.types.problem import Task
 
-ROOT = Path(__file__).parents[3]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+ROOT = Path(__file__).parents[2]
+PAGES = [
+    *sorted(ROOT.glob("*.md")),
+    *(path for part in ("docs", "mamo_core") for path in sorted((ROOT / part).rglob("*.md"))),
+]
 PROBLEM = ROOT / "problems" / "shelf_5_easy_seed1.yaml"
 REACH = ROOT / "problems" / "tabletop_6_6_seed1.yaml"
 REACHING = [
@@ -36,13 +39,24 @@ def blocks(language):
     return found
 
 
+def prose(page):
+    """A page without its blocks of code."""
+    return re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+
+
 def links():
-    """(page, target) of every link to a file."""
+    """(page, target) of every link within the repository, to files and to headings."""
     return [
-        pytest.param(page, target, id=f"{page.name}-{target}")
+        pytest.param(page, target, id=f"{page.relative_to(ROOT)}-{target}")
         for page in PAGES
-        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8"))
+        for target in re.findall(r"\]\(([^):]+)\)", prose(page))
     ]
+
+
+def anchors(page):
+    """What GitHub makes of the headings."""
+    headings = re.findall(r"^#+ (.+)$", prose(page), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
 @pytest.fixture(scope="module")
@@ -69,14 +83,23 @@ def test_recipes_in_the_docs_compose(text, problem, registry):
     assert compose(load_recipe(load_text(text, "docs")), problem, registry).search is not None
 
 
+@pytest.mark.parametrize("text", blocks("yaml problem"))
+def test_problems_in_the_docs_are_valid(text, tmp_path):
+    (tmp_path / "problem.yaml").write_text(text, encoding="utf-8")
+    assert load_problem(tmp_path / "problem.yaml").scene.objects
+
+
 @pytest.mark.parametrize("name", shipped_recipes())
 def test_shipped_recipes_compose(name, problem, registry):
     assert compose(load_recipe(find_recipe(name)), problem, registry).search is not None
 
 
 @pytest.mark.parametrize(("page", "target"), links())
-def test_linked_files_exist(page, target):
-    assert (page.parent / target).exists()
+def test_links_lead_somewhere(page, target):
+    name, _, anchor = target.partition("#")
+    file = page.parent / name if name else page
+    assert file.exists()
+    assert not anchor or anchor in anchors(file)
 
 
 @pytest.mark.parametrize("name", REACHING)
@@ -95,3 +118,10 @@ def test_all_others_are_refused_for_a_reach(registry):
 
 def test_there_is_something_to_test():
     assert min(len(blocks("python")), len(blocks("yaml"))) >= 2
+    assert blocks("yaml problem")
+
+
+def test_every_yaml_block_is_of_a_kind_that_is_tested():
+    """``yaml study`` is read where studies are tested, or run by a tutorial."""
+    kinds = {line for page in PAGES for line in re.findall(r"^```(yaml.*)", page.read_text(), re.M)}
+    assert kinds == {"yaml", "yaml problem", "yaml study"}
