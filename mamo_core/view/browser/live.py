@@ -33,6 +33,7 @@ def serve(
     with local_server(port) as server:
         show = set_stage(server, recording, robot)
         server.gui.set_panel_label(recording.problem.name)
+        server.gui.configure_theme(show_logo=False, show_share_button=False)
         end = float(recording.times[-1])
         playing = server.gui.add_checkbox("play", True)
         slider = server.gui.add_slider("time (s)", 0.0, end, 0.01, 0.0)

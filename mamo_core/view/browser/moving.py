@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mamo_core.robots.kinematics import joint_transform
+from mamo_core.robots.kinematics import joint_transform, tool_transform
 from mamo_core.robots.model import ArmModel, LinkModel
-from mamo_core.types.geometry import Array, pose_from_matrix
-from mamo_core.types.recording import RecordedExecution, Recording
+from mamo_core.types.geometry import Array, matrix_from_pose, pose_from_matrix
+from mamo_core.types.recording import Recording
 from mamo_core.types.rollout import Violation
 from mamo_core.view.browser.still import add_mesh, rgb
 from mamo_core.view.differences import SHOWN, differences
@@ -27,9 +27,12 @@ if TYPE_CHECKING:
 Mover = Callable[[int], None]
 
 ARM, BODY = "#c3c8ce", "#a2a8ae"
-WRONG = "#d4002a"
+WRONG = "#b000d8"
 _GHOST = 0.5
 _NAME_SIZE, _TEXT_SIZE = 0.75, 0.9
+_CAPTION = 0.42
+"""Height above the floor, m."""
+
 _MARK = 0.012
 """Radius of what marks a violation, m."""
 
@@ -98,36 +101,49 @@ def add_ghosts(scene: SceneApi, recording: Recording) -> Iterator[Mover]:
             yield _appear(node, distances > SHOWN)
 
 
-def add_violations(scene: SceneApi, recording: Recording) -> Iterator[Mover]:
+def add_violations(scene: SceneApi, recording: Recording, robot: ArmModel) -> Iterator[Mover]:
     """A mark with words where each violation happened, from its time on."""
     several = len(recording.executions) > 1
     for execution in recording.executions:
         for number, violation in enumerate(execution.violations):
             row = int(np.searchsorted(recording.times, violation.time, side="right")) - 1
+            involved = _involved(recording, violation)
+            if involved is None:
+                place = _hand(recording, robot, execution.joints[row])
+            else:
+                place = _above(recording, involved, execution.poses[row, involved])
             name = f"/violations/{execution.engine} {number}"
-            place = _place(recording, execution, violation, row)
             node = scene.add_icosphere(name, _MARK, color=rgb(WRONG), position=place)
             text = f"{execution.engine}: {violation}" if several else str(violation)
-            scene.add_label(f"{name}/text", text, font_screen_scale=_TEXT_SIZE)
+            style = {"font_screen_scale": _TEXT_SIZE, "anchor": "bottom-center"}
+            scene.add_label(f"{name}/text", text, position=(0.0, 0.0, 2.0 * _MARK), **style)
             yield _appear(node, np.arange(len(recording.times)) >= row)
 
 
-def _place(
-    recording: Recording, execution: RecordedExecution, violation: Violation, row: int
-) -> Array:
-    """Above the first of the two that is an object; limits and contacts are all of objects."""
-    objects = recording.problem.scene.objects
-    involved = (violation.subject, violation.other)
-    i = next(i for i, item in enumerate(objects) if item.name in involved)
-    above = objects[i].shape.height / 2.0 + 2.0 * _MARK
-    return np.array(execution.poses[row, i, :3] + [0.0, 0.0, above])
+def _involved(recording: Recording, violation: Violation) -> int | None:
+    """Place of the first of the two that is an object; None if the robot hit a fixture."""
+    names = (violation.subject, violation.other)
+    objects = enumerate(recording.problem.scene.objects)
+    return next((i for i, item in objects if item.name in names), None)
+
+
+def _above(recording: Recording, place: int, pose: Array) -> Array:
+    half = recording.problem.scene.objects[place].shape.height / 2.0
+    x, y, z = pose[:3]
+    return np.array([x, y, z + half + 2.0 * _MARK])
+
+
+def _hand(recording: Recording, robot: ArmModel, joints: Array) -> Array:
+    T_world_base = matrix_from_pose(recording.problem.scene.T_world_base)
+    return np.array((T_world_base @ tool_transform(robot, joints))[:3, 3])
 
 
 def add_caption(scene: SceneApi, recording: Recording) -> Mover:
-    """What the arm is doing, above the workspace."""
+    """What the arm is doing, behind the workspace and above most objects."""
     space = recording.problem.scene.workspace
-    middle = (space.lower + space.upper) / 2.0
-    place = (float(space.upper[0]), float(middle[1]), float(space.upper[2]) + 0.15)
+    place = np.array(
+        [space.upper[0], (space.lower[1] + space.upper[1]) / 2.0, space.floor + _CAPTION]
+    )
     label = scene.add_label(
         "/caption", "", position=place, font_screen_scale=1.4, anchor="bottom-center"
     )

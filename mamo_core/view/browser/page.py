@@ -19,8 +19,8 @@ _END = 2.0
 
 _STYLE = (
     "position:fixed;top:0.8em;right:0.8em;width:22em;max-height:80vh;overflow:auto;z-index:10;"
-    "padding:0.6em 0.8em;border-radius:4px;background:rgba(255,255,255,0.88);color:#222;"
-    "font:13px/1.5 system-ui,sans-serif"
+    "padding:0.5em;border-radius:4px;background:rgba(255,255,255,0.88);"
+    "font:14px/1.5 system-ui,sans-serif;color:#222"
 )
 
 

@@ -13,6 +13,7 @@ from mamo_core.view.differences import draw_differences
 from mamo_core.view.engines import engine_colors
 from mamo_core.view.topdown import COLORS, PATH, REGION, last_part
 
+_STYLE = "padding:0.3em 0.6em;font:13px/1.5 system-ui,sans-serif;color:#222"
 _ROW = (
     '<div><span style="display:inline-block;width:0.9em;height:0.9em;margin-right:0.5em;'
     'vertical-align:-0.1em;background:{color}"></span>{text}</div>'
@@ -24,7 +25,7 @@ def panel_html(recording: Recording) -> str:
     rows = "".join(
         _ROW.format(color=color, text=escape(text)) for color, text in _legend(recording)
     )
-    return f'<div class="mamo">{_verdicts(recording)}{rows}{_plot(recording)}</div>'
+    return f'<div style="{_STYLE}">{_verdicts(recording)}{rows}{_plot(recording)}</div>'
 
 
 def _verdicts(recording: Recording) -> str:
@@ -35,7 +36,8 @@ def _verdicts(recording: Recording) -> str:
             parts.append(f"<div>holds in {engine}</div>")
             continue
         texts = "".join(f"<li>{escape(text)}</li>" for text in execution.failures)
-        parts.append(f'<div style="color:{WRONG}">fails in {engine}:<ul>{texts}</ul></div>')
+        items = f'<ul style="margin:0;padding-left:1.4em">{texts}</ul>'
+        parts.append(f'<div style="color:{WRONG}">fails in {engine}:{items}</div>')
     return "".join(parts)
 
 

@@ -41,7 +41,7 @@ def set_stage(server: ViserServer, recording: Recording, robot: ArmModel) -> Cal
         add_arm(scene, recording, robot),
         *add_objects(scene, recording),
         *add_ghosts(scene, recording),
-        *add_violations(scene, recording),
+        *add_violations(scene, recording, robot),
         add_caption(scene, recording),
     )
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _SEEN_THROUGH = 0.15
 """Opacity of fixtures that stand beside or above objects."""
 
-_SWEPT = 0.35
+_SWEPT = 0.4
 """Opacity of the swept space."""
 
 _RAISED = 0.002
