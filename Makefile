@@ -22,12 +22,13 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup demo test check bench docs reference clean
+.PHONY: help setup demo test test-view check bench docs reference clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make demo    set up, generate a scene, plan, verify, draw ($(DEMO)/plan.png)"
 	@echo "make test    linters, types, import rules, all tests"
+	@echo "make test-view  replays in a headless Chromium (Debian: chromium, chromium-driver)"
 	@echo "make check   the same without the tests"
 	@echo "make bench   speed of the parts beside their targets"
 	@echo "make docs    the documentation as a site (out/docs/index.html)"
@@ -66,6 +67,9 @@ check: $(INSTALLED)
 
 test: check $(WARM)
 	$(BIN)/python -m pytest -n auto
+
+test-view: $(WARM)
+	$(BIN)/python -m pytest -m browser tests/browser
 
 bench: $(WARM)
 	$(BIN)/python benchmarks/micro.py

@@ -141,17 +141,20 @@ def _write(
     first = next((c for c in comparisons if c.tracks is not None), None)
     if first is None or first.tracks is None:
         return
-    if order.trace is not None:
-        from mamo_core.recording import recording_of, write_recording
+    if order.trace is None and order.png is None:
+        return
+    from mamo_core.recording import recording_of, write_recording
 
-        reports = {execution.engine: execution.report for execution in first.executions}
-        write_recording(order.trace, recording_of(first.problem, first.plan, reports))
+    reports = {execution.engine: execution.report for execution in first.executions}
+    recording = recording_of(first.problem, first.plan, reports)
+    if order.trace is not None:
+        write_recording(order.trace, recording)
     if order.png is not None:
         from mamo_core.view.engines import draw_engines
 
         with atomic_path(order.png) as work:
             title = f"{first.problem.name}, planned with {first.planned_with}"
-            draw_engines(first.problem, first.tracks.poses, work, title)
+            draw_engines(recording, work, title)
 
 
 def _print(

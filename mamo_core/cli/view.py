@@ -22,6 +22,16 @@ def view(
     png: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Before and after, from above.")
     ] = None,
+    html: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Replay for a browser, in one file.")
+    ] = None,
+    live: Annotated[
+        bool, typer.Option("--live", help="Serve the replay to this machine until interrupted.")
+    ] = False,
+    port: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=0, max=65535, help="Of --live; 0 is any free one.  [8080]"),
+    ] = None,
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON document instead of text.")
     ] = False,
@@ -33,5 +43,13 @@ def view(
     from mamo_core.cli.viewing import ViewOrder, run_view
 
     engines = None if backends is None else tuple(backends.split(","))
-    order = ViewOrder(subject=subject, backends=engines, output=output, png=png)
+    order = ViewOrder(
+        subject=subject,
+        backends=engines,
+        output=output,
+        png=png,
+        html=html,
+        live=live,
+        port=port,
+    )
     raise typer.Exit(run_view(order, as_json=json))

@@ -17,6 +17,7 @@ from mamo_core.interfaces.search_strategy import ProgressCallback
 from mamo_core.plan_file import read_plan
 from mamo_core.plugins import discover
 from mamo_core.recording import read_recording, record, write_recording
+from mamo_core.robots import load_arm
 from mamo_core.types.recording import Recording
 
 if TYPE_CHECKING:
@@ -35,29 +36,38 @@ class ViewOrder:
     backends: tuple[str, ...] | None = None
     output: Path | None = None
     png: Path | None = None
+    html: Path | None = None
+    live: bool = False
+    port: int | None = None
 
     @property
     def files(self) -> Mapping[str, Path]:
         """What is to be written, by kind."""
-        wanted = {"recording": self.output, "png": self.png}
+        wanted = {"recording": self.output, "png": self.png, "html": self.html}
         return {kind: path for kind, path in wanted.items() if path is not None}
 
 
 def run_view(order: ViewOrder, *, as_json: bool) -> int:
     """Record, or read a recording, and write every view of it; the exit code."""
-    _check(order)
+    _check(order, as_json=as_json)
     with progress() as tell:
         recording = _recording(order, tell)
         for kind, path in order.files.items():
             tell(f"writing {path}")
             _write(kind, path, recording)
     _print(order, recording, as_json=as_json)
+    if order.live:
+        _serve(order, recording)
     return 0
 
 
-def _check(order: ViewOrder) -> None:
-    if not order.files:
-        raise InputError("nothing to show: give one or more of --png, -o")
+def _check(order: ViewOrder, *, as_json: bool) -> None:
+    if not order.files and not order.live:
+        raise InputError("nothing to show: give one or more of --png, --html, --live, -o")
+    if order.port is not None and not order.live:
+        raise InputError(f"--port {order.port}: only --live serves; give it, too")
+    if order.live and as_json:
+        raise InputError("--json: --live ends when interrupted, without a result; give one of them")
     if order.subject.endswith(RECORDING) and order.backends is not None:
         raise InputError("--backends: a recording is shown as it is; give the plan instead")
     if order.backends is not None and len(set(order.backends)) < len(order.backends):
@@ -98,7 +108,23 @@ def _write(kind: str, path: Path, recording: Recording) -> None:
         write_recording(path, recording)
         return
     with atomic_path(path) as work:
-        _draw(work, recording)
+        (_write_html if kind == "html" else _draw)(work, recording)
+
+
+def _write_html(path: Path, recording: Recording) -> None:
+    from mamo_core.view.browser.page import write_html
+
+    write_html(recording, load_arm(recording.problem.scene.robot), path)
+
+
+def _serve(order: ViewOrder, recording: Recording) -> None:
+    from mamo_core.view.browser.live import PORT, serve
+
+    def tell(text: str) -> None:
+        print(text, flush=True)
+
+    robot = load_arm(recording.problem.scene.robot)
+    serve(recording, robot, PORT if order.port is None else order.port, tell)
 
 
 def _draw(path: Path, recording: Recording) -> None:
@@ -108,7 +134,7 @@ def _draw(path: Path, recording: Recording) -> None:
     if len(recording.executions) == 1:
         draw_recording(recording, path)
         return
-    draw_engines(recording.problem, {e.engine: e.poses for e in recording.executions}, path)
+    draw_engines(recording, path)
 
 
 def _print(order: ViewOrder, recording: Recording, *, as_json: bool) -> None:

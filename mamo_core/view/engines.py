@@ -10,7 +10,9 @@ import numpy as np
 
 from mamo_core.types.geometry import Array
 from mamo_core.types.problem import Problem
+from mamo_core.types.recording import Recording
 from mamo_core.types.scene import Mobility
+from mamo_core.view.differences import draw_differences
 from mamo_core.view.topdown import EDGE, TAKEN_OUT, object_patch, surroundings
 
 ENGINE_COLORS = ("#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#8c564b")
@@ -18,22 +20,27 @@ INITIAL = "#dddddd"
 _LABEL_MOVE = 0.005
 
 
-def draw_engines(
-    problem: Problem, poses: Mapping[str, Array], path: str | Path, title: str = ""
-) -> None:
+def engine_colors(recording: Recording) -> dict[str, str]:
+    """A colour by engine, the first one's first."""
+    engines = [execution.engine for execution in recording.executions]
+    return {name: ENGINE_COLORS[i % len(ENGINE_COLORS)] for i, name in enumerate(engines)}
+
+
+def draw_engines(recording: Recording, path: str | Path, title: str = "") -> None:
     """Write a PNG: initial objects grey, and in one colour per engine the ways of the objects'
-    centres and their last outlines. ``poses``: recorded poses (t, n, 7) by engine."""
+    centres and their last outlines; below, how far each engine is from the first one over time."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(7.0, 6.4), dpi=150, layout="constrained")
+    problem, colors = recording.problem, engine_colors(recording)
+    figure = Figure(figsize=(7.0, 8.8), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(1, 1)
+    axes, below = figure.subplots(2, 1, height_ratios=(2.6, 1.0))
     surroundings(axes, problem, None)
     _initial(axes, problem)
-    colors = {name: ENGINE_COLORS[i % len(ENGINE_COLORS)] for i, name in enumerate(poses)}
-    for name, recorded in poses.items():
-        _engine(axes, problem, recorded, colors[name])
+    for execution in recording.executions:
+        _engine(axes, problem, execution.poses, colors[execution.engine])
+    draw_differences(below, recording, colors)
     figure.suptitle(title or problem.name, fontsize=12)
     _legend(figure, colors)
     figure.savefig(str(path), format="png")

@@ -94,10 +94,11 @@ def _title(problem: Problem, plan: Plan | None) -> str:
         return problem.name
     count = len(plan.actions)
     noun = "rearrangement" if count == 1 else "rearrangements"
-    return f"{problem.name}: {count} {noun}, then the {_last_part(problem)}"
+    return f"{problem.name}: {count} {noun}, then the {last_part(problem)}"
 
 
-def _last_part(problem: Problem) -> str:
+def last_part(problem: Problem) -> str:
+    """What the motion at the end of a plan does, in a word."""
     return "reach" if problem.task is Task.REACH else "retrieval"
 
 
@@ -267,7 +268,7 @@ def _legend(
         if mobility in present
     ]
     if region is not None:
-        handles.append(Patch(fc=REGION, label=f"swept by the {_last_part(problem)} (NGR)"))
+        handles.append(Patch(fc=REGION, label=f"swept by the {last_part(problem)} (NGR)"))
     if problem.task is Task.REACH:
         handles.append(Line2D([], [], color=GOAL, marker=">", ms=4, label="pre-grasp pose"))
     if actions:

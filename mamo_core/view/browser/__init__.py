@@ -1,0 +1,1 @@
+"""Recordings in three dimensions, as one HTML file or on a server of this machine, by viser."""
