@@ -26,15 +26,15 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DEFAULT_GOAL := help
 
 help:
-	@echo "make demo    set up, generate a scene, plan, verify, draw ($(DEMO)/plan.png)"
-	@echo "make test    linters, types, import rules, all tests"
-	@echo "make test-view  replays in a headless Chromium (Debian: chromium, chromium-driver)"
-	@echo "make check   the same without the tests"
-	@echo "make bench   speed of the parts beside their targets"
-	@echo "make docs    the documentation as a site (out/docs/index.html)"
+	@echo "make demo       set up, generate a scene, plan, verify, draw ($(DEMO)/plan.png)"
+	@echo "make test       linters, types, import rules, all tests but those of test-view"
+	@echo "make test-view  replays in Chromium (on Debian: packages chromium and chromium-driver)"
+	@echo "make check      linters, types and import rules"
+	@echo "make bench      speed of the parts beside their targets"
+	@echo "make docs       the documentation as a site (out/docs/index.html)"
 	@echo "make reference  its pages that are written from the code (docs/reference)"
-	@echo "make setup   only the virtual environment $(VENV), with compiled kernels"
-	@echo "make clean   remove everything that was made"
+	@echo "make setup      only the virtual environment $(VENV), with compiled kernels"
+	@echo "make clean      remove everything that was made"
 
 setup: $(WARM)
 

@@ -64,9 +64,9 @@ def scene(screenshot):
 
 
 def strong(image, degrees, tolerance=15.0):
-    """Pixels of a hue that are no grey or brown."""
+    """Pixels of a hue that are no grey."""
     apart = np.abs((image[..., 0] * 360.0 - degrees + 180.0) % 360.0 - 180.0)
-    return (apart < tolerance) & (image[..., 1] > 0.35) & (image[..., 2] > 0.3)
+    return (apart < tolerance) & (image[..., 1] > 0.25) & (image[..., 2] > 0.3)
 
 
 def middle(mask):

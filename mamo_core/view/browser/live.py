@@ -6,10 +6,9 @@ import time
 from collections.abc import Callable
 from typing import NoReturn
 
-import numpy as np
-
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.recording import Recording
+from mamo_core.view.browser.moving import row_at
 from mamo_core.view.browser.panel import panel_html
 from mamo_core.view.browser.serving import LOOPBACK, local_server
 from mamo_core.view.browser.stage import set_stage
@@ -46,4 +45,4 @@ def serve(
                 slider.value = 0.0 if slider.value >= end else min(slider.value + _PAUSE, end)
             if slider.value != shown:
                 shown = slider.value
-                show(int(np.abs(recording.times - shown).argmin()))
+                show(row_at(recording, shown))

@@ -106,7 +106,7 @@ def add_violations(scene: SceneApi, recording: Recording, robot: ArmModel) -> It
     several = len(recording.executions) > 1
     for execution in recording.executions:
         for number, violation in enumerate(execution.violations):
-            row = int(np.searchsorted(recording.times, violation.time, side="right")) - 1
+            row = row_at(recording, violation.time)
             involved = _involved(recording, violation)
             if involved is None:
                 place = _hand(recording, robot, execution.joints[row])
@@ -118,6 +118,11 @@ def add_violations(scene: SceneApi, recording: Recording, robot: ArmModel) -> It
             style = {"font_screen_scale": _TEXT_SIZE, "anchor": "bottom-center"}
             scene.add_label(f"{name}/text", text, position=(0.0, 0.0, 2.0 * _MARK), **style)
             yield _appear(node, np.arange(len(recording.times)) >= row)
+
+
+def row_at(recording: Recording, seconds: float) -> int:
+    """The row nearest to a time."""
+    return int(np.abs(recording.times - seconds).argmin())
 
 
 def _involved(recording: Recording, violation: Violation) -> int | None:

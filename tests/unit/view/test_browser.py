@@ -22,7 +22,7 @@ from mamo_core.view.engines import ENGINE_COLORS
 from mamo_core.view.topdown import COLORS
 
 ROBOT = gantry_arm()
-TIPPED = Violation("tilt", "can", None, 0.55, 0.6, 0.4)
+TIPPED = Violation("tilt", "can", None, 0.52, 0.6, 0.4)
 GRAZED = Violation("contact", "robot", "post", 1.0, 1.0, 0.0)
 HIT = Violation("contact", "robot", "base", 1.2, 1.0, 0.0)
 
@@ -147,7 +147,7 @@ def test_the_panel_tells_colours_failures_and_differences(recording, execution):
     text = panel_html(recording(execution("a"), failed))
     assert "holds in a" in text
     assert "fails in b" in text
-    assert "tilt: can at 0.550 s (0.6 &gt; 0.4)" in text
+    assert "tilt: can at 0.520 s (0.6 &gt; 0.4)" in text
     for role in ("movable", "immovable", "target"):
         assert f"</span>{role}</div>" in text
     assert ENGINE_COLORS[1] in text
