@@ -22,7 +22,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup demo test test-view check bench docs reference clean
+.PHONY: help setup demo test test-view check bench docs reference pictures-docs clean
 .DEFAULT_GOAL := help
 
 help:
@@ -33,6 +33,7 @@ help:
 	@echo "make bench      speed of the parts beside their targets"
 	@echo "make docs       the documentation as a site (out/docs/index.html)"
 	@echo "make reference  its pages that are written from the code (docs/reference)"
+	@echo "make pictures-docs  the pictures of docs/how_a_plan_comes_about.md"
 	@echo "make setup      only the virtual environment $(VENV), with compiled kernels"
 	@echo "make clean      remove everything that was made"
 
@@ -80,6 +81,9 @@ docs: $(INSTALLED)
 
 reference: $(INSTALLED)
 	$(BIN)/python tools/reference.py
+
+pictures-docs: $(WARM)
+	$(BIN)/python tools/walkthrough.py
 
 clean:
 	rm -rf $(VENV) out build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache \

@@ -27,7 +27,10 @@ NAVIGATION = {
         *("reference_cli", "planners", "workspaces", "conventions"),
         *("reference/options", "reference/files", "reference/hooks", "reference/interfaces"),
     ),
-    "Explanation": ("architecture", "decisions/*"),
+    "Explanation": (
+        *("how_a_plan_comes_about", "relation_to_the_thesis", "architecture"),
+        "decisions/*",
+    ),
     "Results": ("benchmarks", "backends", "results/*"),
 }
 

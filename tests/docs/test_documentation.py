@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -125,3 +126,13 @@ def test_every_yaml_block_is_of_a_kind_that_is_tested():
     """``yaml study`` is read where studies are tested, or run by a tutorial."""
     kinds = {line for page in PAGES for line in re.findall(r"^```(yaml.*)", page.read_text(), re.M)}
     assert kinds == {"yaml", "yaml problem", "yaml study"}
+
+
+def test_what_the_page_on_the_thesis_names_is_there():
+    text = (ROOT / "docs" / "relation_to_the_thesis.md").read_text(encoding="utf-8")
+    modules = set(re.findall(r"`(mamo_\w+(?:\.\w+)+)`", text))
+    assert len(modules) > 30
+    assert [name for name in modules if find_spec(name) is None] == []
+    for file in re.findall(r"`((?:studies|benchmarks)/\S+)`", text):
+        assert (ROOT / file).is_file(), file
+    assert [name for name in shipped_recipes() if f"`{name}`" not in text] == []
