@@ -96,7 +96,8 @@ def add_ghosts(scene: SceneApi, recording: Recording) -> Iterator[Mover]:
         for name, distances in apart[other.engine].items():
             i = recording.problem.scene.index(name)
             mesh = shape_mesh(recording.problem.scene.objects[i].shape)
-            node = add_mesh(scene, f"/{other.engine}/{name}", mesh, colors[other.engine], _GHOST)
+            node_name, color = f"/ghosts/{other.engine}/{name}", colors[other.engine]
+            node = add_mesh(scene, node_name, mesh, color, _GHOST)
             yield _follow(node, other.poses[:, i])
             yield _appear(node, distances > SHOWN)
 

@@ -52,7 +52,8 @@ def add_fixtures(scene: SceneApi, problem: Problem) -> None:
     for fixture in problem.scene.fixtures:
         carries = _top(fixture) <= problem.scene.workspace.floor + 1e-6
         opacity = None if carries else _SEEN_THROUGH
-        node = add_mesh(scene, f"/{fixture.name}", shape_mesh(fixture.shape), WALL, opacity)
+        name = f"/fixtures/{fixture.name}"
+        node = add_mesh(scene, name, shape_mesh(fixture.shape), WALL, opacity)
         node.position, node.wxyz = fixture.pose[:3], fixture.pose[3:]
 
 

@@ -76,9 +76,9 @@ def test_links_stand_where_kinematics_puts_them(staged, recording):
 def test_ghosts_stand_where_another_engine_differs_while_it_does(staged, recording, execution):
     both = recording(execution("a"), execution("b", sideways=0.018))
     nodes, show = staged(both)
-    ghosts = [name for name in nodes if name.startswith("/b/")]
-    assert ghosts == ["/b/can"]
-    ghost = nodes["/b/can"]
+    ghosts = [name for name in nodes if name.startswith("/ghosts/b/")]
+    assert ghosts == ["/ghosts/b/can"]
+    ghost = nodes["/ghosts/b/can"]
     assert tuple(ghost.color) == rgb(ENGINE_COLORS[1])
     assert ghost.opacity < 1.0
     assert not ghost.visible
@@ -127,8 +127,8 @@ def test_fixtures_that_carry_are_opaque_and_others_let_the_view_through(staged, 
     top = Fixture("top", Box(np.array([0.6, 0.8, 0.04])), make_pose([0.78, -0.5, 1.1]))
     scene = replace(shown.problem.scene, fixtures=(*shown.problem.scene.fixtures, top))
     nodes, _ = staged(replace(shown, problem=replace(shown.problem, scene=scene)))
-    assert nodes["/base"].opacity is None
-    assert nodes["/top"].opacity < 0.5
+    assert nodes["/fixtures/base"].opacity is None
+    assert nodes["/fixtures/top"].opacity < 0.5
 
 
 def test_region_and_paths_of_the_plan(staged, recording):
