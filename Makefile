@@ -76,7 +76,7 @@ bench: $(WARM)
 	$(BIN)/python benchmarks/micro.py
 
 docs: $(INSTALLED)
-	$(BIN)/python -m sphinx -q -W --keep-going -d out/docs.cache docs out/docs
+	$(BIN)/python -m sphinx -q -E -W --keep-going -d out/docs.cache docs out/docs
 	@echo "out/docs/index.html"
 
 reference: $(INSTALLED)

@@ -27,11 +27,9 @@ NAVIGATION = {
         *("reference_cli", "planners", "workspaces", "conventions"),
         *("reference/options", "reference/files", "reference/hooks", "reference/interfaces"),
     ),
-    "Explanation": (
-        *("how_a_plan_comes_about", "relation_to_the_thesis", "architecture"),
-        "decisions/*",
-    ),
+    "Explanation": ("how_a_plan_comes_about", "relation_to_the_thesis", "architecture"),
     "Results": ("benchmarks", "backends", "results/*"),
+    "Decisions": ("decisions/*",),
 }
 
 
