@@ -22,7 +22,7 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup demo test check bench clean
+.PHONY: help setup demo pictures test check bench clean
 .DEFAULT_GOAL := help
 
 help:
@@ -31,6 +31,8 @@ help:
 	@echo "make check   the same without the tests"
 	@echo "make bench   speed of the parts beside their targets"
 	@echo "make setup   only the virtual environment $(VENV), with compiled kernels"
+	@echo "make pictures"
+	@echo "             docs/images, anew (on Debian: apt-get install libegl1 libgl1-mesa-dri)"
 	@echo "make clean   remove everything that was made"
 
 setup: $(WARM)
@@ -52,6 +54,10 @@ demo: $(WARM)
 		-o $(DEMO)/problem.json
 	$(BIN)/mamo plan $(DEMO)/problem.json -o $(DEMO)/plan.json --png $(DEMO)/plan.png
 	$(BIN)/mamo verify $(DEMO)/plan.json
+
+pictures: demo
+	cp $(DEMO)/plan.png docs/images/demo.png
+	$(BIN)/mamo view $(DEMO)/plan.json --still docs/images/demo_3d.png --gif docs/images/replay.gif
 
 check: $(INSTALLED)
 	$(BIN)/ruff check

@@ -22,6 +22,31 @@ def view(
     png: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Before and after, from above.")
     ] = None,
+    still: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Before and after, in 3-D.")
+    ] = None,
+    mp4: Annotated[Path | None, typer.Option(metavar="FILE", help="The replay as a video.")] = None,
+    gif: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The replay as a moving GIF.")
+    ] = None,
+    fps: Annotated[
+        float | None,
+        typer.Option(
+            metavar="N", min=1.0, max=50.0, help="Pictures a second (default: mp4 20, gif 10)."
+        ),
+    ] = None,
+    speed: Annotated[
+        float, typer.Option(metavar="N", min=0.1, max=20.0, help="2 plays twice as fast.")
+    ] = 1.0,
+    size: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WxH", help="Pixels (default: mp4 640x480, gif 480x360, still 2 of 800x600)."
+        ),
+    ] = None,
+    renderer: Annotated[
+        str, typer.Option(metavar="NAME", help="What draws in 3-D: see 'mamo plugins list'.")
+    ] = "mujoco",
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON document instead of text.")
     ] = False,
@@ -32,6 +57,17 @@ def view(
     """
     from mamo_core.cli.viewing import ViewOrder, run_view
 
-    engines = None if backends is None else tuple(backends.split(","))
-    order = ViewOrder(subject=subject, backends=engines, output=output, png=png)
+    order = ViewOrder(
+        subject=subject,
+        backends=None if backends is None else tuple(backends.split(",")),
+        output=output,
+        png=png,
+        still=still,
+        mp4=mp4,
+        gif=gif,
+        fps=fps,
+        speed=speed,
+        size=size,
+        renderer=renderer,
+    )
     raise typer.Exit(run_view(order, as_json=json))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from mamo_core.plan_file import read_plan
 from mamo_core.plugins import discover
 from mamo_core.recording import read_recording, record, write_recording
 from mamo_core.types.recording import Recording
+from mamo_core.view.renderers import DEFAULT, ROLE, renderer_for
 
 if TYPE_CHECKING:
     from mamo_core.interfaces.transition_model import TransitionModel
@@ -25,6 +27,10 @@ if TYPE_CHECKING:
     from mamo_core.robots.model import ArmModel
 
 RECORDING = ".npz"
+_FILMS = {"still", "mp4", "gif"}
+"""Kinds of output that a renderer draws."""
+_SMALLEST, _LARGEST = 64, 4096
+"""Pixels a picture may be wide or high."""
 
 
 @dataclass(frozen=True)
@@ -35,11 +41,24 @@ class ViewOrder:
     backends: tuple[str, ...] | None = None
     output: Path | None = None
     png: Path | None = None
+    still: Path | None = None
+    mp4: Path | None = None
+    gif: Path | None = None
+    fps: float | None = None
+    speed: float = 1.0
+    size: str | None = None
+    renderer: str = DEFAULT
 
     @property
     def files(self) -> Mapping[str, Path]:
         """What is to be written, by kind."""
-        wanted = {"recording": self.output, "png": self.png}
+        wanted = {
+            "recording": self.output,
+            "png": self.png,
+            "still": self.still,
+            "mp4": self.mp4,
+            "gif": self.gif,
+        }
         return {kind: path for kind, path in wanted.items() if path is not None}
 
 
@@ -50,18 +69,24 @@ def run_view(order: ViewOrder, *, as_json: bool) -> int:
         recording = _recording(order, tell)
         for kind, path in order.files.items():
             tell(f"writing {path}")
-            _write(kind, path, recording)
+            _write(kind, path, recording, order)
     _print(order, recording, as_json=as_json)
     return 0
 
 
 def _check(order: ViewOrder) -> None:
     if not order.files:
-        raise InputError("nothing to show: give one or more of --png, -o")
+        raise InputError("nothing to show: give one or more of --png, --still, --mp4, --gif, -o")
     if order.subject.endswith(RECORDING) and order.backends is not None:
         raise InputError("--backends: a recording is shown as it is; give the plan instead")
     if order.backends is not None and len(set(order.backends)) < len(order.backends):
         raise InputError(f"--backends {','.join(order.backends)}: expected different engines")
+    if _FILMS & order.files.keys():
+        discover().component(ROLE, order.renderer, "--renderer")
+    if order.size is not None:
+        width, height = _pixels(order.size)
+        if order.mp4 is not None and (width % 2 or height % 2):
+            raise InputError(f"--size {order.size}: expected even numbers for --mp4")
     for path in order.files.values():
         check_writable(path)
 
@@ -93,12 +118,15 @@ def _engines(
     return models, context.robot
 
 
-def _write(kind: str, path: Path, recording: Recording) -> None:
+def _write(kind: str, path: Path, recording: Recording, order: ViewOrder) -> None:
     if kind == "recording":
         write_recording(path, recording)
         return
     with atomic_path(path) as work:
-        _draw(work, recording)
+        if kind in _FILMS:
+            _film(kind, work, recording, order)
+        else:
+            _draw(work, recording)
 
 
 def _draw(path: Path, recording: Recording) -> None:
@@ -109,6 +137,27 @@ def _draw(path: Path, recording: Recording) -> None:
         draw_recording(recording, path)
         return
     draw_engines(recording.problem, {e.engine: e.poses for e in recording.executions}, path)
+
+
+def _film(kind: str, path: Path, recording: Recording, order: ViewOrder) -> None:
+    from mamo_core.view.replay import GIF, MP4, STILL, Film, write_gif, write_mp4, write_still
+
+    writers = {"still": (write_still, STILL), "mp4": (write_mp4, MP4), "gif": (write_gif, GIF)}
+    write, usual = writers[kind]
+    width, height = (usual.width, usual.height) if order.size is None else _pixels(order.size)
+    film = Film(order.fps or usual.fps, width, height, order.speed)
+    write(path, recording, renderer_for(recording.problem, discover(), order.renderer), film)
+
+
+def _pixels(size: str) -> tuple[int, int]:
+    """Width and height of ``WxH``."""
+    found = re.fullmatch(r"(\d{2,4})x(\d{2,4})", size)
+    width, height = (int(part) for part in found.groups()) if found else (0, 0)
+    if not (min(width, height) >= _SMALLEST and max(width, height) <= _LARGEST):
+        raise InputError(
+            f"--size {size}: expected WIDTHxHEIGHT in pixels, each {_SMALLEST} to {_LARGEST}"
+        )
+    return width, height
 
 
 def _print(order: ViewOrder, recording: Recording, *, as_json: bool) -> None:
