@@ -58,6 +58,7 @@ demo: $(WARM)
 pictures: demo
 	cp $(DEMO)/plan.png docs/images/demo.png
 	$(BIN)/mamo view $(DEMO)/plan.json --still docs/images/demo_3d.png --gif docs/images/replay.gif
+	$(BIN)/mamo plan $(DEMO)/problem.json --planner em4m --graph docs/images/search.svg
 
 check: $(INSTALLED)
 	$(BIN)/ruff check

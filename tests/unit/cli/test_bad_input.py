@@ -47,6 +47,11 @@ def fails(outcome, *expected, code=2):
         ((*PLAN, "--seed", "-1"), "--seed"),
         ((*PLAN, "-o", "nowhere/plan.json"), "nowhere/plan.json: no such folder 'nowhere'"),
         ((*PLAN, "--png", "."), "is a folder, expected a file"),
+        ((*PLAN, "--graph", "graph.png"), "--graph graph.png: expected a name that ends in .svg"),
+        (
+            (*PLAN, "--graph", "graph.svg"),
+            "--graph: search 'toy' keeps no graph of rearrangements (those that do: best_first, de",
+        ),
         ((*PLAN, "--set", "search"), "--set search: expected KEY=VALUE"),
         ((*PLAN, "--set", "search.outcom=x"), "--set search.outcom: unknown key 'search.outcom'"),
         (
