@@ -22,17 +22,18 @@ export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: help setup demo test test-view check bench docs reference pictures-docs clean
+.PHONY: help setup demo pictures test test-view check bench docs reference pictures-docs clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make demo       set up, generate a scene, plan, verify, draw ($(DEMO)/plan.png)"
 	@echo "make test       linters, types, import rules, all tests but those of test-view"
-	@echo "make test-view  replays in Chromium (on Debian: packages chromium and chromium-driver)"
+	@echo "make test-view  replays in Chromium and pictures in 3-D (Debian packages: see README.md)"
 	@echo "make check      linters, types and import rules"
 	@echo "make bench      speed of the parts beside their targets"
 	@echo "make docs       the documentation as a site (out/docs/index.html)"
 	@echo "make reference  its pages that are written from the code (docs/reference)"
+	@echo "make pictures   docs/images, anew (on Debian: packages libegl1 and libgl1-mesa-dri)"
 	@echo "make pictures-docs  the pictures of docs/how_a_plan_comes_about.md"
 	@echo "make setup      only the virtual environment $(VENV), with compiled kernels"
 	@echo "make clean      remove everything that was made"
@@ -57,6 +58,11 @@ demo: $(WARM)
 	$(BIN)/mamo plan $(DEMO)/problem.json -o $(DEMO)/plan.json --png $(DEMO)/plan.png
 	$(BIN)/mamo verify $(DEMO)/plan.json
 
+pictures: demo
+	cp $(DEMO)/plan.png docs/images/demo.png
+	$(BIN)/mamo view $(DEMO)/plan.json --still docs/images/demo_3d.png --gif docs/images/replay.gif
+	$(BIN)/mamo plan $(DEMO)/problem.json --planner em4m --graph docs/images/search.svg
+
 check: $(INSTALLED)
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
@@ -70,7 +76,7 @@ test: check $(WARM)
 	$(BIN)/python -m pytest -n auto
 
 test-view: $(WARM)
-	$(BIN)/python -m pytest -m browser tests/browser
+	$(BIN)/python -m pytest -m 'browser or rendering' tests/browser tests/rendering
 
 bench: $(WARM)
 	$(BIN)/python benchmarks/micro.py

@@ -20,7 +20,7 @@ pygments_dark_style = "monokai"
 NAVIGATION = {
     "Tutorials": ("start", "write_a_plugin"),
     "How to": (
-        *("compose_a_planner", "write_a_backend", "compare_engines", "studies"),
+        *("look_at_plans", "compose_a_planner", "write_a_backend", "compare_engines", "studies"),
         "when_no_plan_is_found",
     ),
     "Reference": (

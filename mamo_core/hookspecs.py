@@ -100,6 +100,10 @@ class HookSpecs:
         """Search strategies: build a ``SearchStrategy``."""
 
     @hookspec
+    def mamo_renderers(self) -> Iterable[Component]:  # type: ignore[empty-body]
+        """Pictures in three dimensions: build a ``Renderer``; the context holds no other parts."""
+
+    @hookspec
     def mamo_commands(self) -> Iterable[Component]:  # type: ignore[empty-body]
         """Commands of ``mamo``: build a function whose parameters typer makes options of.
 
@@ -119,6 +123,7 @@ HOOK_OF_ROLE: dict[str, str] = {
     "mapf": "mamo_mapf_solvers",
     "action": "mamo_actions",
     "search": "mamo_searches",
+    "renderer": "mamo_renderers",
     "command": "mamo_commands",
 }
 """Role, as recipes and listings name it, to its hook."""

@@ -30,6 +30,10 @@ def plan(
     png: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write a top-down picture here.")
     ] = None,
+    graph: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.svg", help="Draw the rearrangements that were searched."),
+    ] = None,
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON document instead of tables.")
     ] = False,
@@ -46,5 +50,6 @@ def plan(
         seed=seed,
         output=output,
         png=png,
+        graph=graph,
     )
     raise typer.Exit(run_plan(order, as_json=json))

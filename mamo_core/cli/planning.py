@@ -3,28 +3,33 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mamo_core.atomic import atomic_path, check_writable
-from mamo_core.cli.output import progress, warn_of_broken_plugins
+from mamo_core.cli.output import progress, warn, warn_of_broken_plugins
 from mamo_core.cli.plan_report import PlanReport, print_report
-from mamo_core.compose import Planner, choose, compose
+from mamo_core.compose import Choice, Planner, choose, compose
 from mamo_core.errors import InputError
 from mamo_core.explain import Explanation, details_of, explain
+from mamo_core.explain.words import in_words
 from mamo_core.interfaces.search_strategy import ProgressCallback
 from mamo_core.plan_file import PlanDocument, write_plan
-from mamo_core.plugins import discover
+from mamo_core.plugins import Registry, discover
 from mamo_core.problems import load_problem
 from mamo_core.recipe_sets import chosen_recipe
 from mamo_core.recipes import LoadedRecipe
 from mamo_core.types.problem import Problem
+from mamo_core.types.search_graph import GRAPHS, KEEPS_GRAPHS
 from mamo_core.types.solution import Plan, Solution
 from mamo_core.warmup import load_kernels
 
 if TYPE_CHECKING:
     from mamo_core.verify import VerifyReport
+
+GRAPH = ".svg"
 
 
 @dataclass(frozen=True)
@@ -39,21 +44,26 @@ class PlanOrder:
     seed: int = 0
     output: Path | None = None
     png: Path | None = None
+    graph: Path | None = None
 
 
 def run_plan(order: PlanOrder, *, as_json: bool) -> int:
     """Plan, verify, write and report; the exit code."""
     if not order.budget >= 0.0:  # also refuses NaN
         raise InputError(f"--budget {order.budget}: expected seconds, 0 or more")
-    for path in (order.output, order.png):
+    for path in (order.output, order.png, order.graph):
         if path is not None:
             check_writable(path)
+    if order.graph is not None and order.graph.suffix != GRAPH:
+        raise InputError(f"--graph {order.graph}: expected a name that ends in {GRAPH}")
     problem = load_problem(order.problem)
     recipe = chosen_recipe(order.planner, order.backend, order.settings)
     registry = discover()
     warn_of_broken_plugins(registry)
     with progress() as tell:
         choices = choose(recipe, problem, registry)  # complains before anything slow
+        if order.graph is not None:
+            _check_graph(choices, registry)
         tell("loading kernels (the first time they are compiled: about half a minute)")
         load_kernels(registry, [choice.component for choice in choices])
         tell(f"building planner {recipe.recipe.name!r} for {problem.name!r}")
@@ -61,6 +71,16 @@ def run_plan(order: PlanOrder, *, as_json: bool) -> int:
     _write(order, problem, recipe, report)
     print_report(report, order.output, order.png, as_json=as_json)
     return report.exit_code
+
+
+def _check_graph(choices: Sequence[Choice], registry: Registry) -> None:
+    (search,) = (choice.component for choice in choices if choice.role == "search")
+    if KEEPS_GRAPHS not in search.provides:
+        able = [c.name for c in registry.components("search") if KEEPS_GRAPHS in c.provides]
+        raise InputError(
+            f"--graph: search {search.name!r} keeps no graph of rearrangements "
+            f"(those that do: {', '.join(sorted(able))})"
+        )
 
 
 def _solve(planner: Planner, order: PlanOrder, tell: ProgressCallback) -> PlanReport:
@@ -111,6 +131,8 @@ def _write(order: PlanOrder, problem: Problem, recipe: LoadedRecipe, report: Pla
         _draw_failure(order.png, problem, report.explanation)
     elif order.png is not None:
         _draw(order.png, problem, plan, report.verification)
+    if order.graph is not None:
+        _draw_graph(order.graph, problem, report.solution)
 
 
 def _draw_failure(path: Path, problem: Problem, why: Explanation) -> None:
@@ -134,3 +156,14 @@ def _draw(path: Path, problem: Problem, plan: Plan | None, report: VerifyReport 
     final_state = rollout.final_state if rollout is not None else None
     with atomic_path(path) as work:
         draw(problem, plan=plan, final_state=final_state, path=work)
+
+
+def _draw_graph(path: Path, problem: Problem, solution: Solution) -> None:
+    from mamo_core.view.graph import draw_graph
+
+    graphs = solution.info.get(GRAPHS)
+    if not graphs:
+        warn(f"--graph: there was nothing to search, {path} is not written")
+        return
+    with atomic_path(path) as work:
+        draw_graph(problem, graphs, lambda cause: in_words(cause, (), problem.scene), work)

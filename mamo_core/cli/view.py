@@ -32,6 +32,31 @@ def view(
         int | None,
         typer.Option(metavar="N", min=0, max=65535, help="Of --live; 0 is any free one.  [8080]"),
     ] = None,
+    still: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Before and after, in 3-D.")
+    ] = None,
+    mp4: Annotated[Path | None, typer.Option(metavar="FILE", help="The replay as a video.")] = None,
+    gif: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The replay as a moving GIF.")
+    ] = None,
+    fps: Annotated[
+        float | None,
+        typer.Option(
+            metavar="N", min=1.0, max=50.0, help="Pictures a second (default: mp4 20, gif 10)."
+        ),
+    ] = None,
+    speed: Annotated[
+        float, typer.Option(metavar="N", min=0.1, max=20.0, help="2 plays twice as fast.")
+    ] = 1.0,
+    size: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WxH", help="Pixels (default: mp4 640x480, gif 480x360, still 2 of 800x600)."
+        ),
+    ] = None,
+    renderer: Annotated[
+        str, typer.Option(metavar="NAME", help="What draws in 3-D: see 'mamo plugins list'.")
+    ] = "mujoco",
     json: Annotated[
         bool, typer.Option("--json", help="Print one JSON document instead of text.")
     ] = False,
@@ -40,16 +65,23 @@ def view(
 
     A recording is shown without any engine. Several engines are shown together.
     """
-    from mamo_core.cli.viewing import ViewOrder, run_view
+    from mamo_core.cli.view_order import ViewOrder
+    from mamo_core.cli.viewing import run_view
 
-    engines = None if backends is None else tuple(backends.split(","))
     order = ViewOrder(
         subject=subject,
-        backends=engines,
+        backends=None if backends is None else tuple(backends.split(",")),
         output=output,
         png=png,
         html=html,
         live=live,
         port=port,
+        still=still,
+        mp4=mp4,
+        gif=gif,
+        fps=fps,
+        speed=speed,
+        size=size,
+        renderer=renderer,
     )
     raise typer.Exit(run_view(order, as_json=json))

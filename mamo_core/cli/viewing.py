@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mamo_core.atomic import atomic_path, check_writable
+from mamo_core.atomic import atomic_path
 from mamo_core.cli.output import print_json, progress, warn_of_broken_plugins
 from mamo_core.cli.verifying import recipe_of
+from mamo_core.cli.view_order import FILMS, RECORDING, ViewOrder, check_order, pixels
 from mamo_core.compose import build_parts, choose
 from mamo_core.errors import InputError
 from mamo_core.interfaces.search_strategy import ProgressCallback
@@ -19,61 +19,26 @@ from mamo_core.plugins import discover
 from mamo_core.recording import read_recording, record, write_recording
 from mamo_core.robots import load_arm
 from mamo_core.types.recording import Recording
+from mamo_core.view.renderers import renderer_for
 
 if TYPE_CHECKING:
     from mamo_core.interfaces.transition_model import TransitionModel
     from mamo_core.plan_file import PlanDocument
     from mamo_core.robots.model import ArmModel
 
-RECORDING = ".npz"
-
-
-@dataclass(frozen=True)
-class ViewOrder:
-    """The arguments of ``mamo view``."""
-
-    subject: str
-    backends: tuple[str, ...] | None = None
-    output: Path | None = None
-    png: Path | None = None
-    html: Path | None = None
-    live: bool = False
-    port: int | None = None
-
-    @property
-    def files(self) -> Mapping[str, Path]:
-        """What is to be written, by kind."""
-        wanted = {"recording": self.output, "png": self.png, "html": self.html}
-        return {kind: path for kind, path in wanted.items() if path is not None}
-
 
 def run_view(order: ViewOrder, *, as_json: bool) -> int:
     """Record, or read a recording, and write every view of it; the exit code."""
-    _check(order, as_json=as_json)
+    check_order(order, as_json=as_json)
     with progress() as tell:
         recording = _recording(order, tell)
         for kind, path in order.files.items():
             tell(f"writing {path}")
-            _write(kind, path, recording)
+            _write(kind, path, recording, order)
     _print(order, recording, as_json=as_json)
     if order.live:
         _serve(order, recording)
     return 0
-
-
-def _check(order: ViewOrder, *, as_json: bool) -> None:
-    if not order.files and not order.live:
-        raise InputError("nothing to show: give one or more of --png, --html, --live, -o")
-    if order.port is not None and not order.live:
-        raise InputError(f"--port {order.port}: only --live serves; give it, too")
-    if order.live and as_json:
-        raise InputError("--json: --live ends when interrupted, without a result; give one of them")
-    if order.subject.endswith(RECORDING) and order.backends is not None:
-        raise InputError("--backends: a recording is shown as it is; give the plan instead")
-    if order.backends is not None and len(set(order.backends)) < len(order.backends):
-        raise InputError(f"--backends {','.join(order.backends)}: expected different engines")
-    for path in order.files.values():
-        check_writable(path)
 
 
 def _recording(order: ViewOrder, tell: ProgressCallback) -> Recording:
@@ -103,12 +68,17 @@ def _engines(
     return models, context.robot
 
 
-def _write(kind: str, path: Path, recording: Recording) -> None:
+def _write(kind: str, path: Path, recording: Recording, order: ViewOrder) -> None:
     if kind == "recording":
         write_recording(path, recording)
         return
     with atomic_path(path) as work:
-        (_write_html if kind == "html" else _draw)(work, recording)
+        if kind in FILMS:
+            _film(kind, work, recording, order)
+        elif kind == "html":
+            _write_html(work, recording)
+        else:
+            _draw(work, recording)
 
 
 def _write_html(path: Path, recording: Recording) -> None:
@@ -135,6 +105,16 @@ def _draw(path: Path, recording: Recording) -> None:
         draw_recording(recording, path)
         return
     draw_engines(recording, path)
+
+
+def _film(kind: str, path: Path, recording: Recording, order: ViewOrder) -> None:
+    from mamo_core.view.replay import GIF, MP4, STILL, Film, write_gif, write_mp4, write_still
+
+    writers = {"still": (write_still, STILL), "mp4": (write_mp4, MP4), "gif": (write_gif, GIF)}
+    write, usual = writers[kind]
+    width, height = (usual.width, usual.height) if order.size is None else pixels(order.size)
+    film = Film(order.fps or usual.fps, width, height, order.speed)
+    write(path, recording, renderer_for(recording.problem, discover(), order.renderer), film)
 
 
 def _print(order: ViewOrder, recording: Recording, *, as_json: bool) -> None:

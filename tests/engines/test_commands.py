@@ -52,7 +52,8 @@ def test_compare(mamo, panda, tmp_path):
 
 def test_a_recording_is_shown_without_its_engine(mamo, panda, tmp_path):
     """The plan executed once, kept, and drawn again where PyBullet is not installed."""
-    assert mamo("plan", panda, "-o", "plan.json").returncode == 0
+    assert mamo("plan", panda, "-o", "plan.json", "--graph", "search.svg").returncode == 0
+    assert (tmp_path / "search.svg").read_text().startswith("<svg")
     files = ("-o", "kept.npz", "--png", "first.png")
     done = mamo("view", "plan.json", "--backends", "pybullet", *files, "--json")
     assert done.returncode == 0, done.stderr

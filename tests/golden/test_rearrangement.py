@@ -10,6 +10,7 @@ from mamo_planners.search.uncertainty import needed, sampled
 from mamo_core.testing.fakes import StraightPush, StraightRetrieval
 from mamo_core.testing.scenes import clear_scene, one_blocker, two_blockers, walled_in
 from mamo_core.types.mapf import MAPFSolution, MAPFStatus
+from mamo_core.types.search_graph import GRAPHS
 from mamo_core.types.solution import SolutionStatus
 from mamo_core.verify import VerifyReport
 
@@ -347,6 +348,10 @@ def test_what_the_database_says_may_be_refuted(search_of):
     solution = spied(search, lambda real, stand, action, accept: None).solve()
     counts = solution.statistics.counts
     assert counts["database_refuted"] == counts["database_hits"] == 2
+    (graph,) = solution.info[GRAPHS]
+    refuted = [edge for edge in graph.edges if edge.causes == ("not_reproduced",)]
+    assert [edge.end for edge in refuted] == [None, None]
+    assert not any(vertex.predicted for vertex in graph.vertices)
     assert counts["duplicates"] == 0
     assert solution.plan is None
     assert solution.reason == "nothing is left to try"

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from mamo_core.hookspecs import Component, hookimpl
+from mamo_core.errors import PluginError
+from mamo_core.hookspecs import Component, NoOptions, hookimpl
 from mamo_mujoco.options import MuJoCoOptions
 
 if TYPE_CHECKING:
@@ -39,6 +41,24 @@ def mamo_backends() -> Iterable[Component]:
             ),
         ),
     ]
+
+
+def _build_renderer(context: BuildContext, options: NoOptions) -> Any:
+    try:
+        from mamo_mujoco.rendering import MuJoCoRenderer
+    except (RuntimeError, AttributeError) as error:  # of MuJoCo, which reads it when imported
+        chosen = os.environ.get("MUJOCO_GL", "")
+        raise PluginError(
+            f"renderer 'mujoco' cannot be loaded: MUJOCO_GL={chosen}: {error}; "
+            "unset it, or set it to egl or osmesa"
+        ) from error
+    return MuJoCoRenderer(context.robot)
+
+
+@hookimpl
+def mamo_renderers() -> Iterable[Component]:
+    """MuJoCo's renderer, for recordings of any engine."""
+    return [Component("mujoco", _build_renderer, summary="OpenGL without a screen: EGL or OSMesa")]
 
 
 def warm_up() -> None:

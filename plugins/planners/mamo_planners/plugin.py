@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mamo_core.hookspecs import Component, NoOptions, hookimpl
+from mamo_core.types.search_graph import KEEPS_GRAPHS
 from mamo_planners.baselines.options import DogarOptions, SelectiveSimulationOptions
 from mamo_planners.baselines.sampling.components import components as sampling_components
 from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
@@ -249,6 +250,7 @@ def mamo_searches() -> Iterable[Component]:
             _best_first,
             BestFirstOptions,
             "E-M4M: the most promising rearrangement first (thesis, Algorithm 5)",
+            provides=frozenset({KEEPS_GRAPHS}),
             requires=_MAPF,
         ),
         Component(
@@ -256,6 +258,7 @@ def mamo_searches() -> Iterable[Component]:
             _depth_first,
             DepthFirstOptions,
             "I-M4M: the rearrangement with the most actions first, lazily if wanted (thesis 6.3)",
+            provides=frozenset({KEEPS_GRAPHS}),
             requires=_MAPF,
         ),
         Component(

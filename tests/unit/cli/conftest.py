@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+import mamo_core.cli.viewing  # before the fakes: it keeps what it imports
 import mamo_core.robots
 from mamo_core.cli.main import main
 from mamo_core.verify import VerifyReport

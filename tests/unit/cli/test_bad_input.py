@@ -47,6 +47,11 @@ def fails(outcome, *expected, code=2):
         ((*PLAN, "--seed", "-1"), "--seed"),
         ((*PLAN, "-o", "nowhere/plan.json"), "nowhere/plan.json: no such folder 'nowhere'"),
         ((*PLAN, "--png", "."), "is a folder, expected a file"),
+        ((*PLAN, "--graph", "graph.png"), "--graph graph.png: expected a name that ends in .svg"),
+        (
+            (*PLAN, "--graph", "graph.svg"),
+            "--graph: search 'toy' keeps no graph of rearrangements (those that do: best_first, de",
+        ),
         ((*PLAN, "--set", "search"), "--set search: expected KEY=VALUE"),
         ((*PLAN, "--set", "search.outcom=x"), "--set search.outcom: unknown key 'search.outcom'"),
         (
@@ -69,6 +74,21 @@ def fails(outcome, *expected, code=2):
         (("problem", "generate", "tabletop", "--movables", "-1", "-o", "x.json"), "--movables"),
         (("problem", "generate", "refrigerator", "--immovables", "0", "-o", "x.json"), "--immov"),
         (("problem", "generate", "tabletop", "-o", "x.txt"), "x.txt: unknown ending (valid: .js"),
+        (
+            ("view", "none.json"),
+            "nothing to show: give one or more of --png, --still, --mp4, --gif",
+        ),
+        (("view", "none.json", "--mp4", "a.mp4"), "none.json: no such file"),
+        (("view", "none.npz", "--gif", "a.gif", "--backends", "toy_engine"), "--backends: a rec"),
+        (("view", "none.npz", "--still", "a.png", "--size", "640"), "--size 640: expected WIDTHxH"),
+        (("view", "none.npz", "--gif", "a.gif", "--size", "9000x64"), "each 64 to 4096"),
+        (("view", "none.npz", "--mp4", "a.mp4", "--size", "101x80"), "expected even numbers for -"),
+        (("view", "none.npz", "--mp4", "a.mp4", "--fps", "0"), "--fps"),
+        (("view", "none.npz", "--mp4", "a.mp4", "--speed", "0"), "--speed"),
+        (
+            ("view", "none.npz", "--mp4", "a.mp4", "--renderer", "mujocco"),
+            "--renderer: unknown renderer 'mujocco'; did you mean 'mujoco'?",
+        ),
         (("schema", "recip"), "recip"),
     ],
 )

@@ -11,8 +11,10 @@ from itertools import count
 from mamo_core.interfaces.action_generator import ActionRequest
 from mamo_core.types.geometry import Array
 from mamo_core.types.region import SweptRegion
+from mamo_core.types.search_graph import SearchGraph
 from mamo_core.types.solution import Plan
 from mamo_planners.search.abstraction import occupied
+from mamo_planners.search.attempts import Attempt, causes_since, graph_of
 from mamo_planners.search.goals import Failure, GoalMemory, penalties_for
 from mamo_planners.search.likeness import alike
 from mamo_planners.search.orders import Key, Order
@@ -65,11 +67,18 @@ class RearrangementGraph:
         self._numbers = count()
         self._open: list[tuple[Key, int, Vertex | Edge]] = []
         self._vertices: list[Vertex] = []
+        self._attempts: list[Attempt] = []
+        self._goal: Vertex | None = None
 
     @property
     def vertices(self) -> tuple[Vertex, ...]:
         """All rearrangements, in the order they were found."""
         return tuple(self._vertices)
+
+    @property
+    def record(self) -> SearchGraph:
+        """All that was looked at."""
+        return graph_of(self._region, self._vertices, self._attempts, self._goal)
 
     def search(self, root: Stand) -> Plan | None:
         """A verified plan, or None when nothing is left to do here or the work is up.
@@ -86,6 +95,7 @@ class RearrangementGraph:
             visits += 1
             plan = self._visit(first)
             if plan is not None:
+                self._goal = first
                 return plan
         return None
 
@@ -108,11 +118,12 @@ class RearrangementGraph:
     def _confirm(self, vertex: Vertex) -> bool:
         """Execute an action that was taken from the database."""
         assert vertex.parent is not None, "the root is not predicted"
-        if self._is_known(vertex.stand):
+        if self._known(vertex.stand) is not None:
             return False
         stand = self._run.execution.executed(vertex.parent.stand, vertex.actions[-1], None)
         if stand is None:
             self._run.statistics.counts["database_refuted"] += 1
+            vertex.refuted = True
             return False
         vertex.stand = stand
         return True
@@ -160,11 +171,16 @@ class RearrangementGraph:
         """Insert where the action leads, or learn that it fails."""
         what = edge.kind, edge.request.object_name
         hopeless = edge.parent.failures[what] >= self._rules.patience.get(edge.kind, sys.maxsize)
+        causes = self._run.statistics.causes
+        before = dict(causes)
         found = None if hopeless else self._reused(edge) or self._realised(edge)
         if found is not None:
-            self._insert(found[1], found[0], edge.parent)
+            end = self._insert(found[1], found[0], edge.parent)
+            self._attempts.append(Attempt(edge, end, ()))
         else:
             edge.parent.failures[what] += 1
+            if not hopeless:
+                self._attempts.append(Attempt(edge, None, causes_since(before, causes, edge)))
         if edge.aim is None:
             return
         edge.aim.pending -= 1
@@ -200,25 +216,28 @@ class RearrangementGraph:
         after = vertex.stand.believed(self._database.outcome(stored, vertex.state))
         return (*vertex.actions, replace(stored.action, motion=motion)), after
 
-    def _insert(self, stand: Stand, actions: Actions, parent: Vertex | None) -> None:
-        """A new vertex, unless its rearrangement is known."""
-        if self._is_known(stand):
-            return
+    def _insert(self, stand: Stand, actions: Actions, parent: Vertex | None) -> Vertex:
+        """A new vertex, or the one with this rearrangement if it is known."""
+        known = self._known(stand)
+        if known is not None:
+            return known
         vertex = Vertex(next(self._numbers), stand, actions, parent)
         # That the target cannot be taken out at the root is known.
         vertex.retrieval_tried = parent is None
         self._vertices.append(vertex)
         self._push(self._order.vertex(vertex), vertex)
+        return vertex
 
-    def _is_known(self, stand: Stand) -> bool:
-        """Whether something that was executed has led to the same; a prediction may be wrong."""
+    def _known(self, stand: Stand) -> Vertex | None:
+        """The vertex to which something that was executed has led; a prediction may be wrong."""
         scene, poses = self._run.parts.problem.scene, stand.state.object_poses
-        known = any(
-            alike(scene, poses, other.state.object_poses).all()
+        same = (
+            other
             for other in self._vertices
-            if not other.stand.predicted
+            if not other.stand.predicted and alike(scene, poses, other.state.object_poses).all()
         )
-        self._run.statistics.counts["duplicates"] += known
+        known = next(same, None)
+        self._run.statistics.counts["duplicates"] += known is not None
         return known
 
     def _push(self, key: Key, item: Vertex | Edge) -> None:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from mamo_core.interfaces.search_strategy import ProgressCallback, SearchStrategy
 from mamo_core.types.mapf import MAPFBudget
 from mamo_core.types.region import SweptRegion
+from mamo_core.types.search_graph import GRAPHS, SearchGraph
 from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus, Statistics
 from mamo_planners.diagnosis import diagnose
+from mamo_planners.search.attempts import at_once
 from mamo_planners.search.goals import Failure, GoalMemory
 from mamo_planners.search.graph import GraphRules, RearrangementGraph
 from mamo_planners.search.options import GraphOptions
@@ -39,6 +42,7 @@ class RearrangementSearch(SearchStrategy):
         run = self._run(budget, rng, progress)
         start = run.execution.start
         best = run.retrieve(start, (), None)
+        graphs = [at_once(start.state)] if best is not None else []
         failures: list[Failure] = []
         hopeless = since_best = 0
         for number in range(self._options.regions):
@@ -50,7 +54,7 @@ class RearrangementSearch(SearchStrategy):
             if region is None:
                 hopeless, since_best = hopeless + 1, since_best + 1
                 if best is None and hopeless >= self._options.hopeless_regions:
-                    return run.no_retrieval()
+                    return _with_graphs(run.no_retrieval(), graphs)
                 continue
             run.statistics.counts["regions"] += 1
             order = self._make_order(self._parts.problem, region)
@@ -58,14 +62,16 @@ class RearrangementSearch(SearchStrategy):
             graph = RearrangementGraph(run, region, order, rules, database, failures)
             plan = graph.search(start)
             watch(region, graph.vertices)
+            graphs.append(graph.record)
             if plan is None and best is None:
                 # Grasps are drawn: what failed at the start may work the next time.
                 plan = run.retrieve(start, (), None)
+                graphs += [at_once(start.state)] if plan is not None else []
             since_best = 0 if plan is not None else since_best + 1
             best = plan or best
         if best is None:
-            return run.no_plan()
-        return Solution(SolutionStatus.SOLVED, best, run.statistics)
+            return _with_graphs(run.no_plan(), graphs)
+        return _with_graphs(Solution(SolutionStatus.SOLVED, best, run.statistics), graphs)
 
     def diagnose(self, solution: Solution) -> Statistics:
         return diagnose(self._parts, solution, self._mapf_budget, self._options.goal_margin)
@@ -118,3 +124,7 @@ class RearrangementSearch(SearchStrategy):
             visits=options.visits * (1 + number),
             max_actions=most,
         )
+
+
+def _with_graphs(solution: Solution, graphs: Sequence[SearchGraph]) -> Solution:
+    return replace(solution, info={GRAPHS: tuple(graphs)})

@@ -36,7 +36,8 @@ class Vertex:
 
     ``known``: how many failed aims the last MAPF call was told of; ``hallucinated``: how many aims
     that did not fail. ``retrieval_tried``: whether the target cannot be taken out from here.
-    ``failures``: how often a kind of action failed for an object.
+    ``refuted``: what was predicted to lead here does not. ``failures``: how often a kind of action
+    failed for an object.
     """
 
     number: int
@@ -48,6 +49,7 @@ class Vertex:
     known: int = 0
     hallucinated: int = 0
     retrieval_tried: bool = False
+    refuted: bool = False
     failures: Counter[tuple[str, str]] = field(default_factory=Counter)
     _wanted: set[tuple[str, float, float]] = field(default_factory=set)
 
