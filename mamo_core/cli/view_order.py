@@ -59,9 +59,8 @@ def check_order(order: ViewOrder, *, as_json: bool) -> None:
         InputError: options that do not go together, or a file that cannot be written.
     """
     if not order.files and not order.live:
-        raise InputError(
-            "nothing to show: give one or more of --png, --html, --live, --still, --mp4, --gif, -o"
-        )
+        kinds = "--png, --still, --mp4, --gif, --html, --live, -o"
+        raise InputError(f"nothing to show: give one or more of {kinds}")
     if order.port is not None and not order.live:
         raise InputError(f"--port {order.port}: only --live serves; give it, too")
     if order.live and as_json:

@@ -15,7 +15,7 @@ from mamo_core.cli.main import main
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-PAGES = ("start.md", "compose_a_planner.md", "compare_engines.md")
+PAGES = ("start.md", "compose_a_planner.md", "compare_engines.md", "look_at_plans.md")
 WRITING = ("write_a_plugin.md", "write_a_backend.md")
 """Pages whose commands tests of ``mamo plugins new`` run, as packages are installed there."""
 
