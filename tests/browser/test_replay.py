@@ -10,7 +10,6 @@ import pytest
 from matplotlib.colors import rgb_to_hsv
 from matplotlib.image import imread
 from selenium.webdriver.common.by import By
-from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 pytestmark = pytest.mark.browser
@@ -20,6 +19,13 @@ PATIENCE = 240.0
 
 BESIDE = slice(320, 950)
 """Columns of the window between what stands left and right of the scene."""
+
+ENTER = """
+const value = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value");
+value.set.call(arguments[0], arguments[1]);
+arguments[0].dispatchEvent(new Event("input", {bubbles: true}));
+"""
+"""At once, as typed digits are times, too, and each costs a replay up to there."""
 
 VIEW = [sys.executable, "-c", "from mamo_core.cli.main import main; main()", "view"]
 
@@ -34,16 +40,17 @@ def bar(browser):
 
 
 def seek(browser, seconds):
-    """Type the time: the bar goes there and stays. Typed while it plays, it may be mixed up."""
+    """Enter the time: the bar goes there and stays, once it has noticed that it is to stop."""
     handle = bar(browser)
     box = browser.find_element(By.CSS_SELECTOR, "input.mantine-NumberInput-input")
 
     def there(_):
-        box.send_keys(Keys.CONTROL + "a")
-        box.send_keys(f"{seconds:.2f}")
-        return abs(float(handle.get_attribute("aria-valuenow")) - seconds) < 1e-3
+        if abs(float(handle.get_attribute("aria-valuenow")) - seconds) < 1e-3:
+            return True
+        browser.execute_script(ENTER, box, f"{seconds:.2f}")
+        return False
 
-    wait(browser, there)
+    WebDriverWait(browser, PATIENCE, poll_frequency=3.0).until(there)
 
 
 def picture(browser):
