@@ -15,7 +15,8 @@ from mamo_core.cli.main import main
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-PAGES = ("start.md", "compose_a_planner.md", "compare_engines.md", "look_at_plans.md")
+README = "../README.md"
+PAGES = (README, "start.md", "compose_a_planner.md", "compare_engines.md", "look_at_plans.md")
 WRITING = ("write_a_plugin.md", "write_a_backend.md")
 """Pages whose commands tests of ``mamo plugins new`` run, as packages are installed there."""
 
@@ -70,7 +71,7 @@ def execute(tmp_path, monkeypatch, capsys):
     handler = signal.getsignal(signal.SIGINT)
 
     def execute(line, code=0):
-        words = shlex.split(line)
+        words = shlex.split(line, comments=True)
         if words[0] == "make":
             return "".join(execute(part) for part in lines_of_make(words[1]))
         if words[:2] == ["mkdir", "-p"]:
@@ -106,4 +107,4 @@ def test_the_way_to_a_backend_is_what_the_command_says(execute):
 
 def test_no_page_is_forgotten():
     shown = {path.name for path in DOCS.rglob("*.md") if commands(path.relative_to(DOCS))}
-    assert shown == {*PAGES, *WRITING}
+    assert shown == {*PAGES, *WRITING} - {README}
