@@ -8,10 +8,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from referencing.files import files_page
-from referencing.hooks import hooks_page
-from referencing.interfaces import interfaces_page
-from referencing.options import options_page
+from reference_pages.files import files_page
+from reference_pages.hooks import hooks_page
+from reference_pages.interfaces import interfaces_page
+from reference_pages.options import options_page
 
 PAGES = {
     "options.md": options_page,

@@ -8,9 +8,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from walking.measures import told
-from walking.pictures import draw_all
-from walking.walk import walk
+from walkthrough_parts.measures import told
+from walkthrough_parts.pictures import draw_all
+from walkthrough_parts.walk import walk
 
 from mamo_core.problems import load_problem
 

@@ -30,7 +30,7 @@ def test_nothing_is_left_without_a_meaning(reference):
 def test_a_new_option_appears(reference, monkeypatch):
     """The pages are made from what is registered, not from a list of their own."""
     from pydantic import Field
-    from referencing import options
+    from reference_pages import options
 
     from mamo_core.hookspecs import Component, Options, hookimpl
     from mamo_core.plugins import make_registry

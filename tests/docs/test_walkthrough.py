@@ -12,9 +12,9 @@ LARGEST = 300_000
 
 def test_figures_and_pictures_are_those_of_the_script(tmp_path):
     import walkthrough
-    from walking.measures import told
-    from walking.pictures import draw_all
-    from walking.walk import walk
+    from walkthrough_parts.measures import told
+    from walkthrough_parts.pictures import draw_all
+    from walkthrough_parts.walk import walk
 
     page = (DOCS / "how_a_plan_comes_about.md").read_text(encoding="utf-8")
     way = walk(load_problem(walkthrough.PROBLEM))
@@ -31,7 +31,7 @@ def test_figures_and_pictures_are_those_of_the_script(tmp_path):
 def test_watching_changes_nothing():
     """The plan is the one that ``mamo plan`` finds."""
     import numpy as np
-    from walking.walk import RECIPE, walk
+    from walkthrough_parts.walk import RECIPE, walk
 
     from mamo_core.compose import compose
     from mamo_core.plugins import discover

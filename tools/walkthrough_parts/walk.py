@@ -20,7 +20,7 @@ from mamo_core.types.region import SweptRegion
 from mamo_core.types.rollout import RolloutResult
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Plan, Statistics
-from walking.watched import Notes, Offer, watched
+from walkthrough_parts.watched import Notes, Offer, watched
 
 RECIPE = "m4m"
 BUDGET = 60.0

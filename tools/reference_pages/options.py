@@ -7,8 +7,8 @@ from importlib.metadata import distribution
 
 from mamo_core.hookspecs import ENTRY_POINT_GROUP, HOOK_OF_ROLE, Component
 from mamo_core.plugins import Registry, make_registry
-from referencing.fields import fields_table
-from referencing.markdown import page, prose, summary
+from reference_pages.fields import fields_table
+from reference_pages.markdown import page, prose, summary
 
 INTRODUCTION = """\
 The components that come with mamo, by role, and their options as they stand in a recipe beside

@@ -15,7 +15,7 @@ from mamo_core.types.problem import Problem
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import Mobility, SceneState
 from mamo_core.view.topdown import ARROW, COLORS, EDGE, PATH, object_patch, surroundings
-from walking.walk import Trial
+from walkthrough_parts.walk import Trial
 
 HOLDS, FAILS = "#2a7f3f", "#c0392b"
 DPI = 110

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core.core_schema import WithDefaultSchema
 
-from referencing.markdown import prose, table
+from reference_pages.markdown import prose, table
 
 COLUMNS = ("key", "type", "default", "meaning")
 _TYPES = {"string": "text", "boolean": "true or false", "object": "mapping"}

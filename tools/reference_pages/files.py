@@ -17,8 +17,8 @@ from mamo_core.study.rows import Row
 from mamo_core.study.schema import StudyFile
 from mamo_core.study.store import create_store
 from mamo_core.types.recording import RecordedExecution, Recording
-from referencing.fields import sections
-from referencing.markdown import page, prose, table
+from reference_pages.fields import sections
+from reference_pages.markdown import page, prose, table
 
 INTRODUCTION = """\
 Files that people write are YAML 1.2 or JSON; unknown keys are refused. `mamo schema` prints the

@@ -8,8 +8,8 @@ import numpy as np
 
 from mamo_core.types.geometry import Array
 from mamo_core.types.recording import Recording
-from walking.walk import Walk
-from walking.watched import Answer, Offer
+from walkthrough_parts.walk import Walk
+from walkthrough_parts.watched import Answer, Offer
 
 STEP_MM = 10
 """A lattice step of the abstract problem."""

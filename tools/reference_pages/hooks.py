@@ -8,8 +8,8 @@ from inspect import getdoc
 
 from mamo_core.compose import BUILD_ORDER, BuildContext
 from mamo_core.hookspecs import HOOK_OF_ROLE, Component, HookSpecs
-from referencing.markdown import page, prose
-from referencing.signatures import class_block, function_block
+from reference_pages.markdown import page, prose
+from reference_pages.signatures import class_block, function_block
 
 INTRODUCTION = """\
 A plugin is a module with functions that are named like these hooks and decorated with

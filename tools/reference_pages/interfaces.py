@@ -11,8 +11,8 @@ from inspect import getdoc
 from types import ModuleType
 
 import mamo_core.interfaces
-from referencing.markdown import page, prose, summary
-from referencing.signatures import class_block, function_block, is_abstract
+from reference_pages.markdown import page, prose, summary
+from reference_pages.signatures import class_block, function_block, is_abstract
 
 INTRODUCTION = """\
 The abstract classes of `mamo_core.interfaces`, one module each, with the values that belong to

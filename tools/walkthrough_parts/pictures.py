@@ -8,9 +8,9 @@ from typing import Any
 from mamo_core.types.geometry import Array
 from mamo_core.types.scene import SceneState
 from mamo_core.view.topdown import ARROW, EDGE
-from walking import drawing
-from walking.measures import speeds, tilts
-from walking.walk import Trial, Walk
+from walkthrough_parts import drawing
+from walkthrough_parts.measures import speeds, tilts
+from walkthrough_parts.walk import Trial, Walk
 
 TILT_LIMIT, SPEED_LIMIT = 25.0, 1.0
 """The defaults of the constraints ``tilt`` and ``speed``."""
