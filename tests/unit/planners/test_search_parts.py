@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mamo_planners.search.features import Features, features_of
-from mamo_planners.search.goals import Failure, GoalMemory, penalties_for
+from mamo_planners.search.goals import Failure, GoalMemory, GoalPenalties
 from mamo_planners.search.likeness import alike
 from mamo_planners.search.priority import PriorityModel, log_density, log_survival
 from mamo_planners.search.push_database import PushDatabase
@@ -91,7 +91,7 @@ class TestGoals:
         return Vertex(0, stand, (), aims=list(aims), expansions=expansions)
 
     def ask(self, vertex, memory=memory, failures=()):
-        return penalties_for(vertex, one_blocker().problem.scene, memory, list(failures))
+        return GoalPenalties(one_blocker().problem.scene, memory).of(vertex, list(failures))
 
     def test_nothing_is_known_at_first(self):
         assert self.ask(self.vertex(expansions=0)) == {}

@@ -15,7 +15,7 @@ from mamo_core.types.search_graph import SearchGraph
 from mamo_core.types.solution import Plan
 from mamo_planners.search.abstraction import occupied
 from mamo_planners.search.attempts import Attempt, causes_since, graph_of
-from mamo_planners.search.goals import Failure, GoalMemory, penalties_for
+from mamo_planners.search.goals import Failure, GoalMemory, GoalPenalties
 from mamo_planners.search.likeness import alike
 from mamo_planners.search.orders import Key, Order
 from mamo_planners.search.push_database import PushDatabase
@@ -64,6 +64,7 @@ class RearrangementGraph:
         """``failures``: what is known from other graphs; this one adds its own."""
         self._run, self._region, self._order, self._rules = run, region, order, rules
         self._database, self._failures = database, failures
+        self._penalties = GoalPenalties(run.parts.problem.scene, rules.memory)
         self._numbers = count()
         self._open: list[tuple[Key, int, Vertex | Edge]] = []
         self._vertices: list[Vertex] = []
@@ -132,8 +133,7 @@ class RearrangementGraph:
         """Ask MAPF; False if the vertex is closed because there is no other way to rearrange."""
         if vertex.expansions >= self._rules.expansions:
             return False
-        scene = self._run.parts.problem.scene
-        penalties = penalties_for(vertex, scene, self._rules.memory, self._failures)
+        penalties = self._penalties.of(vertex, self._failures)
         if penalties is None:
             return False
         vertex.expansions += 1
