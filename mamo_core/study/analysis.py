@@ -160,7 +160,7 @@ def _causes(planner: str, rows: Sequence[Row]) -> list[dict[str, Any]]:
 
 def _failures(rows: Sequence[Row], planner_of: Callable[[Row], str]) -> list[dict[str, Any]]:
     """How the rows ended that are no successes, most frequent first."""
-    endings = Counter((planner_of(r), _ending(r), _first_words(r)) for r in rows if not r.succeeded)
+    endings = Counter((planner_of(r), ending(r), _first_words(r)) for r in rows if not r.succeeded)
     return [
         {"planner": planner, "status": status, "reason": reason, "times": times}
         for (planner, status, reason), times in sorted(
@@ -169,7 +169,8 @@ def _failures(rows: Sequence[Row], planner_of: Callable[[Row], str]) -> list[dic
     ]
 
 
-def _ending(row: Row) -> str:
+def ending(row: Row) -> str:
+    """How a row ended that is no success."""
     if not row.returned:
         return row.status
     return "not verified" if not row.verified else "over budget"

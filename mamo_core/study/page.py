@@ -12,7 +12,7 @@ from typing import Any
 from mamo_core.atomic import atomic_path
 from mamo_core.plan_file import read_plan
 from mamo_core.problems import problem_from_document
-from mamo_core.study.analysis import by, namer
+from mamo_core.study.analysis import by, ending, namer
 from mamo_core.study.export import file_name
 from mamo_core.study.problems import DOCUMENT
 from mamo_core.study.report_html import html_report
@@ -26,8 +26,8 @@ Tell = Callable[[str], None]
 _INDEX, _PLANS, _PICTURES = "index.html", "plans", "pictures"
 
 
-def write_page(store: Store, folder: Path, data: Mapping[str, Any], tell: Tell) -> int:
-    """Write ``index.html`` with plans and pictures beside it; how many rows it leads to.
+def write_page(store: Store, folder: Path, data: Mapping[str, Any], tell: Tell) -> None:
+    """Write ``index.html`` with plans and pictures beside it.
 
     What an earlier call wrote and is still right is not drawn again.
 
@@ -40,7 +40,6 @@ def write_page(store: Store, folder: Path, data: Mapping[str, Any], tell: Tell) 
     links = _Linker(store, folder, tell).links(rows)
     with atomic_path(folder / _INDEX) as work:
         work.write_text(html_report(data, _problems(rows, links)), encoding="utf-8")
-    return len(rows)
 
 
 @dataclass(frozen=True)
@@ -121,7 +120,7 @@ def _problems(rows: Sequence[Row], links: Mapping[str, Links]) -> str:
 
 def _cell(row: Row, links: Links) -> str:
     """Seconds, or how it ended, and where to look."""
-    words = f"{row.cpu_s:.2f} s" if row.succeeded else _ending(row)
+    words = f"{row.cpu_s:.2f} s" if row.succeeded else ending(row).replace("_", " ")
     kind = "good" if row.succeeded else "bad"
     shown = f'<span class="{kind}">{escape(words)}</span>'
     if links.picture is not None:
@@ -130,12 +129,6 @@ def _cell(row: Row, links: Links) -> str:
     if links.plan is not None:
         shown += f' <a href="{escape(links.plan, quote=True)}"><i>plan</i></a>'
     return shown
-
-
-def _ending(row: Row) -> str:
-    if row.returned:
-        return "not verified" if not row.verified else "over budget"
-    return row.status.replace("_", " ")
 
 
 def _hint(row: Row) -> str:

@@ -28,6 +28,10 @@ class RecordedExecution:
     violations: tuple[Violation, ...] = ()
     failures: tuple[str, ...] = ()
 
+    def broken_by(self, time: float) -> tuple[Violation, ...]:
+        """The violations until then, s."""
+        return tuple(violation for violation in self.violations if violation.time <= time)
+
 
 @dataclass(frozen=True, eq=False)
 class Stretch:

@@ -25,7 +25,7 @@ def caption(recording: Recording, row: int) -> str:
 def broken_by_then(recording: Recording, row: int) -> tuple[str, ...]:
     """What the first engine had violated by that row, in words, each constraint and pair once."""
     time = float(recording.times[row])
-    past = [v for v in recording.executions[0].violations if v.time <= time]
+    past = recording.executions[0].broken_by(time)
     words = [f"{v.constraint}: {v.subject}" + (f", {v.other}" if v.other else "") for v in past]
     return tuple(dict.fromkeys(words))
 

@@ -75,7 +75,7 @@ def _color(model: Any, recording: Recording, row: int, shot: Shot) -> None:
 
 
 def _broken(execution: RecordedExecution, time: float) -> set[str | None]:
-    past = [violation for violation in execution.violations if violation.time <= time]
+    past = execution.broken_by(time)
     return {name for violation in past for name in (violation.subject, violation.other)}
 
 
