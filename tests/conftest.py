@@ -42,7 +42,7 @@ class Recording(QuasiStaticModel):
         return super().rollout(state, motion, **settings)
 
 
-THESIS = {"connect": False, "growth": 0.0, "via": 0.0, "vary": 0.0}
+THESIS = {"connect": False, "enough": 8, "growth": 0.0, "via": 0.0, "vary": 0.0}
 """Options beyond the thesis, off: the golden searches are of Algorithm 3."""
 
 COARSE = {"large_step_deg": 2.0}

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus
 from mamo_core.plan_file import PlanDocument, plan_text
 from mamo_core.testing.gantry_arm import gantry_arm
 from mamo_core.testing.scenes import (
@@ -33,6 +34,13 @@ VARIANTS = {"spamp": {}, "naive": {**NAIVE, "beta": None}, "naive_dd": NAIVE, "p
 
 FEW = {"large_step_deg": np.degrees(0.1), "delta": 0.3}
 """Large steps in a small space: a search comes to the end of all states."""
+
+
+class NoWay(ArmPlanner):
+    """Finds none."""
+
+    def plan(self, start, goals, world, rng, *, max_checks=None):
+        return ArmPlan(ArmPlanStatus.EXHAUSTED, None, 0, 1)
 
 
 def small_arm():
@@ -194,6 +202,23 @@ class TestSimulationsOfTheSearch:
         assert counts(valid=False, t_sim=1e6)["simulated_primitives"] > 8
 
 
+def test_no_more_is_drawn_than_enough(solved):
+    drawn = [
+        solved(reach_by_pushing(), enough=enough)[0].statistics.counts["drawn_primitives"]
+        for enough in (1, 2, 8)
+    ]
+    assert drawn[0] < drawn[1] < drawn[2] == 8
+
+
+def test_nothing_is_drawn_close_to_what_was_out_of_reach(reaching):
+    drawn = []
+    for beta in (None, 9.0):
+        world = reaching(reach_by_pushing().problem, arm_planner=NoWay())
+        search = world.spamp(beta=beta, connect=True, snap=False, expansions=1, rounds=2)
+        drawn.append(world.solve(search).statistics.counts["drawn_primitives"])
+    assert drawn == [16, 8]
+
+
 def document(solution, world):
     return plan_text(PlanDocument(world.problem, solution.plan, {"name": "spamp"}, 0))
 
@@ -302,7 +327,7 @@ class TestBeyondTheThesis:
         bent = {}
         for via in (0.0, 1.0):
             scene = reach_without_room()
-            _, world = solved(scene, rounds=2, expansions=1, samples=4, via=via)
+            _, world = solved(scene, rounds=2, expansions=1, samples=16, via=via)
             (engine,) = world.engines
             bent[via] = any(turns(m.segments[-1].trajectory.positions) for m in engine.motions)
         assert bent == {0.0: False, 1.0: True}

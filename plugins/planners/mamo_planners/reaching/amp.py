@@ -12,7 +12,7 @@ from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.types.geometry import Array
 from mamo_planners.reaching.distance_field import DistanceField
 from mamo_planners.reaching.goals import Goal, Goals
-from mamo_planners.reaching.primitive import Primitive
+from mamo_planners.reaching.primitive import Primitive, primitive_along
 from mamo_planners.reaching.promising import Promising
 
 Rounding = Callable[[Array], Array]
@@ -113,7 +113,7 @@ class Primitives:
     def _valid(self, path: Array, goal: Goal) -> Primitive | None:
         if not self._fixed.edges_free(path[:-1], path[1:]).all():
             return None
-        return Primitive(path, goal, not self._everything.edges_free(path[:-1], path[1:]).all())
+        return primitive_along(path, goal, self._everything)
 
 
 def _chance(share: float, rng: np.random.Generator) -> bool:

@@ -60,6 +60,9 @@ class SpampOptions(LatticeOptions):
     samples: int = Field(
         8, ge=0, description="the thesis' M: adaptive motion primitives that are drawn for them"
     )
+    enough: int = Field(
+        1, ge=1, description="draw no more once so many are valid (the thesis: all M are drawn)"
+    )
     simulate_samples: bool = Field(
         True, description="simulate what is drawn, so that valid ones are preferred"
     )
@@ -90,7 +93,7 @@ class SpampOptions(LatticeOptions):
         ge=0.0,
         le=1.0,
         description="share of the primitives drawn from the second round on that vary one of which "
-        "much held before it failed (the thesis: 0)",
+        "nearly reached its goal (the thesis: 0)",
     )
     slow_speed: float = Field(
         0.1,

@@ -4,22 +4,49 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from mamo_core.interfaces.collision_checker import CollisionWorld
+from mamo_core.robots.timing import interpolated
 from mamo_core.types.geometry import Array
 from mamo_planners.reaching.goals import Goal
+
+_STEP = 0.05
+"""How finely the first contact on a path is looked for, rad."""
 
 
 @dataclass(frozen=True, eq=False)
 class Primitive:
     """A Phase 1 valid motion along ``path`` (k, dof) to a goal.
 
-    ``interacts``: the arm may meet movables on it, so that only an engine can tell what happens.
+    Along ``approach`` (a, dof), its first part, the arm touches nothing; on ``sweep`` (s, dof), the
+    rest, it may meet movables, so that only an engine can tell what happens. One of the two may be
+    missing (no rows).
     """
 
     path: Array
     goal: Goal
-    interacts: bool
+    approach: Array
+    sweep: Array
 
     @property
     def start(self) -> Array:
         """Where it begins (dof,)."""
         return self.path[0]
+
+    @property
+    def interacts(self) -> bool:
+        """Whether it has to be simulated."""
+        return len(self.sweep) > 0
+
+
+def primitive_along(path: Array, goal: Goal, everything: CollisionWorld) -> Primitive:
+    """The primitive along ``path``, parted where it may first touch something."""
+    if everything.edges_free(path[:-1], path[1:]).all():
+        return Primitive(path, goal, path, path[:0])
+    edge = int(np.argmin(everything.edges_free(path[:-1], path[1:])))
+    fine = interpolated(path[edge : edge + 2], _STEP)
+    free = everything.edges_free(fine[:-1], fine[1:])
+    parting = fine[int(np.argmin(free)) if not free.all() else 0]
+    approach = np.vstack([path[: edge + 1], parting])
+    return Primitive(path, goal, approach, np.vstack([parting, path[edge + 1 :]]))

@@ -6,7 +6,7 @@ import numpy as np
 
 from mamo_core.interfaces.search_strategy import ProgressCallback, SearchStrategy
 from mamo_core.types.geometry import Array
-from mamo_core.types.motion import MotionSegment
+from mamo_core.types.motion import MotionSegment, Trajectory
 from mamo_core.types.solution import Budget, Plan, Solution, SolutionStatus, Statistics
 from mamo_planners.reaching.amp import Mix, Primitives
 from mamo_planners.reaching.goals import Goals
@@ -91,6 +91,7 @@ class Run:
         )
         self.work = Work()
         self.duplicates = SoftDuplicates(options.beta)
+        self._out_of_reach = SoftDuplicates(options.beta)
 
     def round(self, number: int) -> Plan | None:
         """Algorithm 2: subgoals, then the search they guide."""
@@ -114,23 +115,19 @@ class Run:
             return True
         self.statistics.counts["simulated_primitives"] += 1
         steps = self.statistics.counts["steps"]
-        sweep = self.motions.sweep(primitive.path)
+        sweep = self.motions.sweep(primitive.sweep)
         result = self.executions.alone(sweep)
         self.work.simulated(self.statistics.counts["steps"] - steps)
         if not result.valid:
             self.duplicates.failed(primitive.start)
-            held = min(1.0, result.duration / sweep.trajectory.duration)
-            self.promising.failed(primitive, held)
+            self.promising.failed(primitive, _left(sweep.trajectory, result.duration))
         return result.valid
 
     def planned(self, way: Array, primitive: Primitive) -> Plan | None:
         """The plan that goes along ``way`` (k, dof) and ends with the primitive, if it holds."""
-        opened = self.motions.opened(self.start)
-        if not primitive.interacts:
-            gone = self._gone(np.vstack([way, primitive.path]))
-            return self._finished([opened, *gone], primitive)
-        gone = self._gone(np.vstack([way, primitive.path[:1]]))
-        return self._finished([opened, *gone, self.motions.sweep(primitive.path)], primitive)
+        gone = self._gone(np.vstack([way, primitive.start, primitive.approach]))
+        sweep = [self.motions.sweep(primitive.sweep)] if primitive.interacts else []
+        return self._finished([self.motions.opened(self.start), *gone, *sweep], primitive)
 
     def _gone(self, way: Array) -> list[MotionSegment]:
         """The arm goes along ``way`` (k, dof), by short cuts; nothing if it is there already."""
@@ -154,13 +151,18 @@ class Run:
         return plan
 
     def _connected(self, subgoals: list[Subgoal]) -> Plan | None:
-        """The way to a valid subgoal that the arm planner finds; one that does not do is left."""
+        """The way to a valid subgoal that the arm planner finds; one that does not do is left.
+
+        What is out of reach is remembered: nothing more is drawn close to it.
+        """
         left = [subgoal for subgoal in subgoals if subgoal.valid]
         while left:
             goals = np.array([subgoal.primitive.start for subgoal in left])
             with self.statistics.timed("arm_planning"):
                 found = self.arm_planner.plan(self.start, goals, self.scenery.everything, self.rng)
             if found.path is None:
+                for subgoal in left:
+                    self._out_of_reach.failed(subgoal.primitive.start)
                 return None
             subgoal = left.pop(found.goal)
             plan = self.planned(found.path, subgoal.primitive)
@@ -170,16 +172,19 @@ class Run:
         return None
 
     def _subgoals(self, mix: Mix) -> list[Subgoal]:
-        """N of M primitives, valid ones first (GetValidSubgoals of Algorithm 2)."""
+        """N of up to M primitives, valid ones first (GetValidSubgoals of Algorithm 2)."""
         options = self.options
         if not options.subgoals or not options.samples:
             return []
         drawn: list[Subgoal] = []
         for primitive in self.primitives.drawn(self.rng, self._rounded, mix):
+            if self._out_of_reach.near(primitive.start):
+                continue
             cell = self.lattice.nearest(primitive.start)
             valid = not primitive.interacts or (options.simulate_samples and self.valid(primitive))
             drawn.append(Subgoal(cell, primitive, valid))
-            if len(drawn) >= options.samples or self.budget.exhausted:
+            enough = sum(subgoal.valid for subgoal in drawn) >= options.enough
+            if enough or len(drawn) >= options.samples or self.budget.exhausted:
                 break
         self.statistics.counts["drawn_primitives"] += len(drawn)
         drawn.sort(key=lambda subgoal: not subgoal.valid)
@@ -187,6 +192,14 @@ class Run:
 
     def _rounded(self, q: Array) -> Array:
         return self.lattice.configuration(self.lattice.nearest(q))
+
+
+def _left(trajectory: Trajectory, time: float) -> float:
+    """What a trajectory has still to go at ``time`` (s): length of its path, rad."""
+    rest = np.vstack(
+        [trajectory.at(np.array([time])), trajectory.positions[trajectory.times > time]]
+    )
+    return float(np.linalg.norm(np.diff(rest, axis=0), axis=1).sum())
 
 
 def luby(number: int) -> int:

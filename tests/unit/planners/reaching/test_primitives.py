@@ -55,6 +55,19 @@ def test_what_may_meet_a_movable_interacts(primitives_of):
     assert not primitives.to_goal(away(y=-0.2), rng()).interacts
 
 
+def test_it_is_parted_where_it_may_first_touch_something(primitives_of):
+    primitives = primitives_of(reach_past(one_blocker()))
+    parted = primitives.to_goal(HOME, rng())
+    assert parted.approach[0] == pytest.approx(HOME)
+    assert parted.approach[-1] == pytest.approx(parted.sweep[0])
+    assert parted.sweep[-1] == pytest.approx(GOAL)
+    # The box is 0.45 m ahead of the gantry's home, hand and box are some centimetres long.
+    assert HOME[0] + 0.1 < parted.sweep[0, 0] < 0.25
+    free = primitives.to_goal(away(y=-0.2), rng())
+    assert len(free.sweep) == 0
+    assert free.approach == pytest.approx(free.path)
+
+
 def test_a_goal_that_a_movable_covers_interacts_from_anywhere(primitives_of):
     primitives = primitives_of(reach_by_pushing())
     assert all(primitives.to_goal(away(y=y), rng()).interacts for y in (-0.2, 0.2))

@@ -7,7 +7,8 @@ from mamo_planners.reaching.promising import Promising
 
 
 def primitive(x):
-    return Primitive(np.full((2, 4), x), Goal(np.zeros(4)), interacts=True)
+    path = np.full((2, 4), x)
+    return Primitive(path, Goal(np.zeros(4)), approach=path[:1], sweep=path)
 
 
 def rng():
@@ -23,10 +24,10 @@ def test_none_before_a_failure():
     assert Promising().drawn(rng()) is None
 
 
-def test_the_longer_it_held_the_likelier():
+def test_the_closer_it_came_the_likelier():
     promising = Promising()
-    promising.failed(primitive(1.0), 0.9)
-    promising.failed(primitive(2.0), 0.1)
+    promising.failed(primitive(1.0), 0.1)
+    promising.failed(primitive(2.0), 3.0)
     counts = drawn(promising)
     assert counts.count(1.0) > 4 * counts.count(2.0) > 0
 
@@ -34,7 +35,7 @@ def test_the_longer_it_held_the_likelier():
 def test_only_the_best_stay():
     promising = Promising()
     for number in range(20):
-        promising.failed(primitive(float(number)), number / 20)
+        promising.failed(primitive(float(number)), 20.0 - number)
     assert set(drawn(promising)) == {float(n) for n in range(12, 20)}
 
 
@@ -45,7 +46,7 @@ def test_of_equal_ones_the_later_stay():
     assert set(drawn(promising)) == {float(n) for n in range(12, 20)}
 
 
-def test_all_failed_at_once_are_drawn_too():
+def test_one_that_failed_at_its_very_end_is_drawn_too():
     promising = Promising()
     promising.failed(primitive(1.0), 0.0)
     assert drawn(promising, 1) == [1.0]
