@@ -3,11 +3,27 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from mamo_core.types.geometry import Array
+from mamo_core.types.geometry import Array, BoolArray
 from mamo_core.types.rollout import StepObservation
 from mamo_core.types.scene import SceneState
+
+
+@dataclass(frozen=True, eq=False)
+class Watch:
+    """Which steps nobody has to look at; a world that passes over some notes what touched in them.
+
+    Such a step is ``within`` (``mamo_core.constraints.kernels``) ``bounds`` (n, 6) and ``forbidden``
+    (e, e), and no joint is more than ``lag`` (rad) from where it should be. ``touched`` (e, e):
+    gets True at the pairs, in ascending order, that touch.
+    """
+
+    bounds: Array
+    forbidden: BoolArray
+    lag: float
+    touched: BoolArray
 
 
 class SimulatedWorld(ABC):
@@ -33,6 +49,19 @@ class SimulatedWorld(ABC):
     @abstractmethod
     def step(self) -> None:
         """Simulate ``time_step`` seconds."""
+
+    def advance(
+        self, positions: Array, velocities: Array, drives: Array, watch: Watch | None
+    ) -> int:
+        """Execute commands (k, dof), (k, dof), (k,) up to a step to look at; how many these are.
+
+        That is the last one in any case, and with a ``watch`` none of those that it calls harmless.
+        To stop after the first is always right; to go on is for engines whose steps take less time
+        than looking at them.
+        """
+        self.command(positions[0], velocities[0], float(drives[0]))
+        self.step()
+        return 1
 
     @abstractmethod
     def observe(self, time: float, held: int) -> StepObservation:

@@ -11,7 +11,7 @@ from mamo_core.constraints.kernels import largest_gap
 from mamo_core.constraints.monitor import ConstraintMonitor
 from mamo_core.constraints.recorder import TraceRecorder
 from mamo_core.interfaces.constraint import InteractionConstraint
-from mamo_core.interfaces.simulated_world import SimulatedWorld
+from mamo_core.interfaces.simulated_world import SimulatedWorld, Watch
 from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.robots.model import GripperModel
 from mamo_core.types.geometry import Array, IntArray
@@ -54,7 +54,7 @@ class MotionRun:
         self._recorder = TraceRecorder(step, count) if step is not None else None
         self._stalled = False
         self._time, self._steps, self._late = 0.0, 0, 0
-        self._touching: list[IntArray] = []
+        self._touched = np.zeros((count, count), dtype=np.bool_)
 
     def execute(self, motion: Motion, state: SceneState) -> RolloutResult:
         """Run to the end or to where the rollout stops; ``state`` is where the world stands."""
@@ -89,11 +89,12 @@ class MotionRun:
         before = np.vstack([trajectory.positions[:1], positions[:-1]])
         velocities = (positions - before) / self._step
         openings = np.linspace(self.opening, segment.opening, count + 1)[1:]
-        drives = self._gripper.drives(openings).tolist()
-        commands = zip(positions, velocities, drives, openings.tolist(), strict=True)
-        for position, velocity, drive, opening in commands:
-            self._world.command(position, velocity, drive)
-            if not self._advance(position, opening):
+        drives = self._gripper.drives(openings)
+        watch, done = self._watch(), 0
+        while done < count:
+            steps = self._world.advance(positions[done:], velocities[done:], drives[done:], watch)
+            done += steps
+            if not self._look(steps, positions[done - 1], float(openings[done - 1])):
                 return False
         self.opening = segment.opening
         return self._arrive(trajectory.positions[-1]) and self._settle(segment)
@@ -104,7 +105,8 @@ class MotionRun:
         for _ in range(round(HOLD_SECONDS / self._step)):
             if largest_gap(self._world.joint_positions(), end) < ARRIVED:
                 break
-            if not self._advance(end, self.opening):
+            self._world.step()
+            if not self._look(1, end, self.opening):
                 return False
         return True
 
@@ -116,18 +118,28 @@ class MotionRun:
             resting = resting + 1 if self._world.at_rest(REST_SPEED, REST_SPIN) else 0
             if resting >= enough:
                 break
-            if not self._advance(end, segment.opening):
+            self._world.step()
+            if not self._look(1, end, segment.opening):
                 return False
         return True
 
-    def _advance(self, reference: Array, opening: float) -> bool:
-        """Simulate one step; False if the rollout ends here."""
-        self._world.step()
-        self._steps += 1
-        self._time += self._step
+    def _watch(self) -> Watch | None:
+        """What the world may pass over until the hand holds something else."""
+        limits = self._monitor.limits(self.held)
+        if limits is None or self._recorder is not None:
+            return None
+        return Watch(*limits, LAG, self._touched)
+
+    def _look(self, steps: int, reference: Array, opening: float) -> bool:
+        """See the last of some steps, the others were harmless; False if the rollout ends here."""
+        self._steps += steps
+        for _ in range(steps):  # a product has other digits
+            self._time += self._step
+        if steps > 1:
+            self._monitor.passed()
+            self._late = 0
         seen = self._world.observe(self._time, self.held)
-        if len(seen.contacts):
-            self._touching.append(seen.contacts)
+        self._touched[seen.contacts[:, 0], seen.contacts[:, 1]] = True
         broken = self._monitor.see(seen)
         if largest_gap(self._world.joint_positions(), reference) > LAG:
             self._late += 1
@@ -155,7 +167,4 @@ class MotionRun:
     def _contacts(self) -> frozenset[tuple[str, str]]:
         """Names of the pairs that touched."""
         names: Any = self._scene.entities
-        touched = np.zeros((len(names), len(names)), dtype=np.bool_)
-        pairs = np.concatenate([NO_CONTACTS, *self._touching])
-        touched[pairs[:, 0], pairs[:, 1]] = True
-        return frozenset((names[a], names[b]) for a, b in np.argwhere(touched))
+        return frozenset((names[a], names[b]) for a, b in np.argwhere(self._touched))

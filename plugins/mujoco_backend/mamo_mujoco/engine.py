@@ -7,12 +7,14 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from mamo_core.interfaces.simulated_world import SimulatedWorld
+from mamo_core.interfaces.simulated_world import SimulatedWorld, Watch
 from mamo_core.types.geometry import Array, IntArray, invert, matrix_from_pose, pose_from_matrix
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import NO_CONTACTS, StepObservation
 from mamo_core.types.scene import SceneState
 from mamo_mujoco.kernels import at_rest, command, contact_pairs, observe
+from mamo_mujoco.loop import Memory, Places, run
+from mamo_mujoco.memory import contacts_of
 from mamo_mujoco.world import WorldIndex
 
 _COUNTS = ("time", "ntree_awake", "nbody_awake", "nparent_awake", "nv_awake")
@@ -38,6 +40,11 @@ class MuJoCoWorld(SimulatedWorld):
         self._qpos, self._qvel, self._ctrl = data.qpos, data.qvel, data.ctrl
         self._xpos, self._xmat = data.xpos, data.xmat
         self._fields = _fields(data)
+        self._places = Places(index.arm_qpos, self._objects, index.entity)
+        self._memory = Memory(
+            *(model._address, data._address, self._ctrl, self._qpos, self._qvel),
+            *(self._xpos, self._xmat, *contacts_of(data)),
+        )
 
     def reset(self, state: SceneState, drive: float) -> None:
         data, index = self._data, self._index
@@ -54,6 +61,16 @@ class MuJoCoWorld(SimulatedWorld):
 
     def step(self) -> None:
         mujoco.mj_step(self._model, self._data)
+
+    def advance(
+        self, positions: Array, velocities: Array, drives: Array, watch: Watch | None
+    ) -> int:
+        if watch is None:
+            return super().advance(positions, velocities, drives, watch)
+        return run(
+            *(self._memory, self._places, positions, velocities, drives, self._lead),
+            *(watch.bounds, watch.forbidden, watch.lag, watch.touched, self._seen),
+        )
 
     def observe(self, time: float, held: int) -> StepObservation:
         observe(self._xpos, self._xmat, self._qvel, self._objects, self._seen)
