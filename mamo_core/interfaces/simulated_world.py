@@ -15,14 +15,16 @@ from mamo_core.types.scene import SceneState
 class Watch:
     """Which steps nobody has to look at; a world that passes over some notes what touched in them.
 
-    Such a step is ``within`` (``mamo_core.constraints.kernels``) ``bounds`` (n, 6) and ``forbidden``
-    (e, e), and no joint is more than ``lag`` (rad) from where it should be. ``touched`` (e, e):
+    After such a step everything is ``within`` (``mamo_core.constraints.kernels``) ``bounds`` (n, 6)
+    and ``forbidden`` (e, e), no joint is more than ``lag`` (rad) from where it should be, and the
+    world is not ``at_rest`` for ``rest`` (m/s, rad/s; with zeros it never is). ``touched`` (e, e):
     gets True at the pairs, in ascending order, that touch.
     """
 
     bounds: Array
     forbidden: BoolArray
     lag: float
+    rest: tuple[float, float]
     touched: BoolArray
 
 

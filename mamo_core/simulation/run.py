@@ -112,23 +112,29 @@ class MotionRun:
 
     def _settle(self, segment: MotionSegment) -> bool:
         """Wait until the objects rest, at most as long as the segment allows."""
-        resting, enough = 0, round(REST_SECONDS / self._step)
-        end = segment.trajectory.positions[-1]
-        for _ in range(int(segment.settle / self._step)):
+        resting, enough, done = 0, round(REST_SECONDS / self._step), 0
+        count, end = int(segment.settle / self._step), segment.trajectory.positions[-1]
+        positions, velocities = np.tile(end, (count, 1)), np.zeros((count, end.size))
+        drives = np.full(count, self._gripper.drive(segment.opening))
+        watch = self._watch((REST_SPEED, REST_SPIN))
+        while done < count:
             resting = resting + 1 if self._world.at_rest(REST_SPEED, REST_SPIN) else 0
             if resting >= enough:
                 break
-            self._world.step()
-            if not self._look(1, end, segment.opening):
+            steps = self._world.advance(positions[done:], velocities[done:], drives[done:], watch)
+            done += steps
+            if steps > 1:
+                resting = 0
+            if not self._look(steps, end, segment.opening):
                 return False
         return True
 
-    def _watch(self) -> Watch | None:
+    def _watch(self, rest: tuple[float, float] = (0.0, 0.0)) -> Watch | None:
         """What the world may pass over until the hand holds something else."""
         limits = self._monitor.limits(self.held)
         if limits is None or self._recorder is not None:
             return None
-        return Watch(*limits, LAG, self._touched)
+        return Watch(*limits, LAG, rest, self._touched)
 
     def _look(self, steps: int, reference: Array, opening: float) -> bool:
         """See the last of some steps, the others were harmless; False if the rollout ends here."""

@@ -40,7 +40,7 @@ class MuJoCoWorld(SimulatedWorld):
         self._qpos, self._qvel, self._ctrl = data.qpos, data.qvel, data.ctrl
         self._xpos, self._xmat = data.xpos, data.xmat
         self._fields = _fields(data)
-        self._places = Places(index.arm_qpos, self._objects, index.entity)
+        self._places = Places(index.arm_qpos, index.free_qvel, self._objects, index.entity)
         self._memory = Memory(
             *(model._address, data._address, self._ctrl, self._qpos, self._qvel),
             *(self._xpos, self._xmat, *contacts_of(data)),
@@ -69,7 +69,7 @@ class MuJoCoWorld(SimulatedWorld):
             return super().advance(positions, velocities, drives, watch)
         return run(
             *(self._memory, self._places, positions, velocities, drives, self._lead),
-            *(watch.bounds, watch.forbidden, watch.lag, watch.touched, self._seen),
+            *(watch.bounds, watch.forbidden, watch.lag, watch.rest, watch.touched, self._seen),
         )
 
     def observe(self, time: float, held: int) -> StepObservation:

@@ -12,7 +12,7 @@ from numba import njit, types
 
 from mamo_core.constraints.kernels import largest_gap, within
 from mamo_core.types.geometry import Array, BoolArray, IntArray
-from mamo_mujoco.kernels import command, contact_pairs, observe
+from mamo_mujoco.kernels import at_rest, command, contact_pairs, observe
 
 
 def _load_library() -> None:
@@ -44,6 +44,7 @@ class Places(NamedTuple):
     """Where things are in these arrays: as ``WorldIndex`` and ``observe`` have them."""
 
     arm_qpos: IntArray
+    free_qvel: IntArray
     objects: IntArray
     entity: IntArray
 
@@ -59,6 +60,7 @@ def run(
     bounds: Array,
     forbidden: BoolArray,
     lag: float,
+    rest: tuple[float, float],
     touched: BoolArray,
     seen: Array,
 ) -> int:
@@ -73,8 +75,8 @@ def run(
             touched[pairs[n, 0], pairs[n, 1]] = True
         observe(memory.xpos, memory.xmat, memory.qvel, places.objects, seen)
         harmless = within(seen[0], seen[1], seen[2], pairs, bounds, forbidden)
-        joints = memory.qpos[places.arm_qpos]
-        if not harmless or largest_gap(joints, positions[i]) > lag:
+        gap = largest_gap(memory.qpos[places.arm_qpos], positions[i])
+        if not harmless or gap > lag or at_rest(memory.qvel, places.free_qvel, rest[0], rest[1]):
             return i + 1
     return positions.shape[0]
 
@@ -85,9 +87,9 @@ def warm_up() -> None:
     geoms, pairs = np.zeros((2, 4), dtype=np.int32)[:, :2], np.zeros((1, 2), dtype=np.int64)
     allowed = np.zeros((1, 1), dtype=np.bool_)
     memory = Memory(0, 0, flat, flat, flat, rows, rows, np.zeros(1, dtype=np.int32), geoms)
-    places = Places(one, pairs, one)
+    places = Places(one, one, pairs, one)
     none, bounds = np.zeros((0, 1)), np.zeros((1, 6))
     run(
         *(memory, places, none, none, none[:, 0].copy(), 0.0),
-        *(bounds, allowed, 0.0, allowed.copy(), np.zeros((3, 1, 3))),
+        *(bounds, allowed, 0.0, (0.0, 0.0), allowed.copy(), np.zeros((3, 1, 3))),
     )
