@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from mamo_core.types.geometry import Array, BoolArray
 from mamo_core.types.rollout import StepObservation
 from mamo_core.types.scene import SceneState
 
 
-@dataclass(frozen=True, eq=False)
-class Watch:
+class Watch(NamedTuple):
     """Which steps nobody has to look at; a world that passes over some notes what touched in them.
 
-    After such a step everything is ``within`` (``mamo_core.constraints.kernels``) ``bounds`` (n, 6)
-    and ``forbidden`` (e, e), no joint is more than ``lag`` (rad) from where it should be, and the
-    world is not ``at_rest`` for ``rest`` (m/s, rad/s; with zeros it never is). ``touched`` (e, e):
-    gets True at the pairs, in ascending order, that touch.
+    A tuple, as compiled code takes one. After such a step everything is ``within`` (``mamo_core.constraints.kernels``) ``bounds`` (n, 6)
+    and ``forbidden`` (e, e), and no joint is more than ``lag`` (rad) from where it should be.
+    ``touched`` (e, e): gets True at the pairs, in ascending order, that touch.
     """
 
     bounds: Array
     forbidden: BoolArray
     lag: float
-    rest: tuple[float, float]
     touched: BoolArray
 
 
@@ -52,16 +48,24 @@ class SimulatedWorld(ABC):
     def step(self) -> None:
         """Simulate ``time_step`` seconds."""
 
-    def advance(
+    def follow(
         self, positions: Array, velocities: Array, drives: Array, watch: Watch | None
     ) -> int:
         """Execute commands (k, dof), (k, dof), (k,) up to a step to look at; how many these are.
 
-        That is the last one in any case, and with a ``watch`` none of those that it calls harmless.
-        To stop after the first is always right; to go on is for engines whose steps take less time
-        than looking at them.
+        That is at the latest the last one, or the first that the ``watch`` does not call harmless.
+        To stop after each step, as here, is always right; an engine whose steps take hardly longer
+        than looking at them may go on.
         """
         self.command(positions[0], velocities[0], float(drives[0]))
+        self.step()
+        return 1
+
+    def wait(self, end: Array, steps: int, speed: float, spin: float, watch: Watch | None) -> int:
+        """As ``follow``, at most ``steps`` without a command: the arm should be at ``end`` (dof,).
+
+        A step after which the world is ``at_rest`` is looked at, too.
+        """
         self.step()
         return 1
 

@@ -90,14 +90,23 @@ class MotionRun:
         velocities = (positions - before) / self._step
         openings = np.linspace(self.opening, segment.opening, count + 1)[1:]
         drives = self._gripper.drives(openings)
-        watch, done = self._watch(), 0
-        while done < count:
-            steps = self._world.advance(positions[done:], velocities[done:], drives[done:], watch)
-            done += steps
-            if not self._look(steps, positions[done - 1], float(openings[done - 1])):
-                return False
+        if not self._follow(positions, velocities, drives, openings.tolist()):
+            return False
         self.opening = segment.opening
         return self._arrive(trajectory.positions[-1]) and self._settle(segment)
+
+    def _follow(
+        self, positions: Array, velocities: Array, drives: Array, openings: Sequence[float]
+    ) -> bool:
+        """Execute commands, one a step; False if the rollout ends here."""
+        done, watch = 0, self._watch()
+        while done < len(positions):
+            rest = positions[done:], velocities[done:], drives[done:]
+            steps = self._world.follow(*rest, watch)
+            done += steps
+            if not self._look(steps, positions[done - 1], openings[done - 1]):
+                return False
+        return True
 
     def _arrive(self, end: Array) -> bool:
         """Wait a little for an arm that is behind."""
@@ -112,29 +121,26 @@ class MotionRun:
 
     def _settle(self, segment: MotionSegment) -> bool:
         """Wait until the objects rest, at most as long as the segment allows."""
-        resting, enough, done = 0, round(REST_SECONDS / self._step), 0
-        count, end = int(segment.settle / self._step), segment.trajectory.positions[-1]
-        positions, velocities = np.tile(end, (count, 1)), np.zeros((count, end.size))
-        drives = np.full(count, self._gripper.drive(segment.opening))
-        watch = self._watch((REST_SPEED, REST_SPIN))
-        while done < count:
+        end, left = segment.trajectory.positions[-1], int(segment.settle / self._step)
+        resting, watch = 0, self._watch()
+        while left > 0:
             resting = resting + 1 if self._world.at_rest(REST_SPEED, REST_SPIN) else 0
-            if resting >= enough:
+            if resting >= round(REST_SECONDS / self._step):
                 break
-            steps = self._world.advance(positions[done:], velocities[done:], drives[done:], watch)
-            done += steps
-            if steps > 1:
+            steps = self._world.wait(end, left, REST_SPEED, REST_SPIN, watch)
+            left -= steps
+            if steps > 1:  # between them it was not at rest
                 resting = 0
             if not self._look(steps, end, segment.opening):
                 return False
         return True
 
-    def _watch(self, rest: tuple[float, float] = (0.0, 0.0)) -> Watch | None:
+    def _watch(self) -> Watch | None:
         """What the world may pass over until the hand holds something else."""
         limits = self._monitor.limits(self.held)
         if limits is None or self._recorder is not None:
             return None
-        return Watch(*limits, LAG, rest, self._touched)
+        return Watch(*limits, LAG, self._touched)
 
     def _look(self, steps: int, reference: Array, opening: float) -> bool:
         """See the last of some steps, the others were harmless; False if the rollout ends here."""

@@ -13,7 +13,7 @@ from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import NO_CONTACTS, StepObservation
 from mamo_core.types.scene import SceneState
 from mamo_mujoco.kernels import at_rest, command, contact_pairs, observe
-from mamo_mujoco.loop import Memory, Places, run
+from mamo_mujoco.loop import Memory, Places, follow, wait
 from mamo_mujoco.memory import contacts_of
 from mamo_mujoco.world import WorldIndex
 
@@ -62,15 +62,18 @@ class MuJoCoWorld(SimulatedWorld):
     def step(self) -> None:
         mujoco.mj_step(self._model, self._data)
 
-    def advance(
+    def follow(
         self, positions: Array, velocities: Array, drives: Array, watch: Watch | None
     ) -> int:
         if watch is None:
-            return super().advance(positions, velocities, drives, watch)
-        return run(
-            *(self._memory, self._places, positions, velocities, drives, self._lead),
-            *(watch.bounds, watch.forbidden, watch.lag, watch.rest, watch.touched, self._seen),
-        )
+            return super().follow(positions, velocities, drives, watch)
+        commands = positions, velocities, drives
+        return follow(self._memory, self._places, watch, self._seen, *commands, self._lead)
+
+    def wait(self, end: Array, steps: int, speed: float, spin: float, watch: Watch | None) -> int:
+        if watch is None:
+            return super().wait(end, steps, speed, spin, watch)
+        return wait(self._memory, self._places, watch, self._seen, end, steps, speed, spin)
 
     def observe(self, time: float, held: int) -> StepObservation:
         observe(self._xpos, self._xmat, self._qvel, self._objects, self._seen)

@@ -11,8 +11,10 @@ import numpy as np
 from numba import njit, types
 
 from mamo_core.constraints.kernels import largest_gap, within
-from mamo_core.types.geometry import Array, BoolArray, IntArray
+from mamo_core.interfaces.simulated_world import Watch
+from mamo_core.types.geometry import Array, IntArray
 from mamo_mujoco.kernels import at_rest, command, contact_pairs, observe
+from mamo_mujoco.memory import CIntArray
 
 
 def _load_library() -> None:
@@ -36,8 +38,8 @@ class Memory(NamedTuple):
     qvel: Array
     xpos: Array
     xmat: Array
-    contact_count: IntArray
-    contact_geoms: IntArray
+    contact_count: CIntArray
+    contact_geoms: CIntArray
 
 
 class Places(NamedTuple):
@@ -50,46 +52,70 @@ class Places(NamedTuple):
 
 
 @njit(nogil=True, cache=True)
-def run(
+def follow(
     memory: Memory,
     places: Places,
+    watch: Watch,
+    seen: Array,
     positions: Array,
     velocities: Array,
     drives: Array,
     lead: float,
-    bounds: Array,
-    forbidden: BoolArray,
-    lag: float,
-    rest: tuple[float, float],
-    touched: BoolArray,
-    seen: Array,
 ) -> int:
-    """``SimulatedWorld.advance`` with a watch; ``lead`` and ``seen`` as in the kernels."""
+    """``SimulatedWorld.follow`` with a watch; ``seen`` and ``lead`` as in the kernels."""
     for i in range(positions.shape[0]):
         command(memory.ctrl, positions[i], velocities[i], lead, drives[i])
-        _mj_step(memory.model, memory.data)
-        geoms = memory.contact_geoms[: memory.contact_count[0]]
-        pairs = np.empty((geoms.shape[0], 2), dtype=np.int64)
-        contact_pairs(geoms, places.entity, pairs)
-        for n in range(pairs.shape[0]):
-            touched[pairs[n, 0], pairs[n, 1]] = True
-        observe(memory.xpos, memory.xmat, memory.qvel, places.objects, seen)
-        harmless = within(seen[0], seen[1], seen[2], pairs, bounds, forbidden)
-        gap = largest_gap(memory.qpos[places.arm_qpos], positions[i])
-        if not harmless or gap > lag or at_rest(memory.qvel, places.free_qvel, rest[0], rest[1]):
+        if not _harmless_step(memory, places, watch, seen, positions[i]):
             return i + 1
     return positions.shape[0]
 
 
+@njit(nogil=True, cache=True)
+def wait(
+    memory: Memory,
+    places: Places,
+    watch: Watch,
+    seen: Array,
+    end: Array,
+    steps: int,
+    speed: float,
+    spin: float,
+) -> int:
+    """``SimulatedWorld.wait`` with a watch."""
+    for i in range(steps):
+        if not _harmless_step(memory, places, watch, seen, end):
+            return i + 1
+        if at_rest(memory.qvel, places.free_qvel, speed, spin):
+            return i + 1
+    return steps
+
+
+@njit(nogil=True, cache=True)
+def _harmless_step(
+    memory: Memory, places: Places, watch: Watch, seen: Array, reference: Array
+) -> bool:
+    """Simulate one step; False if somebody has to look at it."""
+    _mj_step(memory.model, memory.data)
+    geoms = memory.contact_geoms[: memory.contact_count[0]]
+    pairs = np.empty((geoms.shape[0], 2), dtype=np.int64)
+    contact_pairs(geoms, places.entity, pairs)
+    for n in range(pairs.shape[0]):
+        watch.touched[pairs[n, 0], pairs[n, 1]] = True
+    observe(memory.xpos, memory.xmat, memory.qvel, places.objects, seen)
+    if not within(seen[0], seen[1], seen[2], pairs, watch.bounds, watch.forbidden):
+        return False
+    return largest_gap(memory.qpos[places.arm_qpos], reference) <= watch.lag
+
+
 def warm_up() -> None:
-    """Compile the loop (or read it from numba's cache): no commands are no steps."""
+    """Compile the loops (or read them from numba's cache): no commands are no steps."""
     one, rows, flat = np.zeros(1, dtype=np.int64), np.zeros((1, 3)), np.zeros(1)
-    geoms, pairs = np.zeros((2, 4), dtype=np.int32)[:, :2], np.zeros((1, 2), dtype=np.int64)
-    allowed = np.zeros((1, 1), dtype=np.bool_)
-    memory = Memory(0, 0, flat, flat, flat, rows, rows, np.zeros(1, dtype=np.int32), geoms)
+    geoms, pairs = np.zeros((2, 4), dtype=np.intc)[:, :2], np.zeros((1, 2), dtype=np.int64)
+    memory = Memory(0, 0, flat, flat, flat, rows, rows, np.zeros(1, dtype=np.intc), geoms)
     places = Places(one, one, pairs, one)
-    none, bounds = np.zeros((0, 1)), np.zeros((1, 6))
-    run(
-        *(memory, places, none, none, none[:, 0].copy(), 0.0),
-        *(bounds, allowed, 0.0, (0.0, 0.0), allowed.copy(), np.zeros((3, 1, 3))),
-    )
+    table = np.zeros((1, 1), dtype=np.bool_)
+    watch, seen = Watch(np.zeros((1, 6)), table, 0.0, table), np.zeros((3, 1, 3))
+    follow(memory, places, watch, seen, rows[:0], rows[:0], flat[:0], 0.0)
+    frozen = np.zeros(1)  # as trajectories are
+    frozen.flags.writeable = False
+    wait(memory, places, watch, seen, frozen, 0, 0.0, 0.0)

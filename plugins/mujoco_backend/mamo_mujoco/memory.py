@@ -9,11 +9,13 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 from mujoco.introspect.ast_nodes import ArrayType, PointerType
 from mujoco.introspect.structs import STRUCTS
 
 from mamo_core.errors import PluginError
-from mamo_core.types.geometry import IntArray
+
+CIntArray = npt.NDArray[np.intc]
 
 _PLAIN: dict[str, Any] = {
     "int": ctypes.c_int,
@@ -38,7 +40,7 @@ _BALLS = """
 """
 
 
-def contacts_of(data: Any) -> tuple[IntArray, IntArray]:
+def contacts_of(data: Any) -> tuple[CIntArray, CIntArray]:
     """How many there are (1,), and the geoms of all there is room for (m, 2), in ``data`` itself.
 
     Raises:
@@ -63,7 +65,7 @@ def _check() -> None:
             )
 
 
-def _views(data: Any) -> tuple[IntArray, IntArray]:
+def _views(data: Any) -> tuple[CIntArray, CIntArray]:
     """Contacts always lie at the beginning of the arena, which never moves."""
     layout, contact = _structure("mjData"), _structure("mjContact")
     here = layout.from_address(data._address)

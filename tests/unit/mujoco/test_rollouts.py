@@ -196,19 +196,20 @@ KERNELS = """
 from mamo_core.constraints import kernels as ours
 from mamo_core.robots import load_arm
 from mamo_core.testing.transition_cases import pr2_cases, standard_constraints
-from mamo_mujoco import kernels as theirs, loop
+from mamo_mujoco import kernels as theirs
+from mamo_mujoco import loop
 from mamo_mujoco.model import MuJoCoModel
 from mamo_mujoco.options import MuJoCoOptions
 
 def compiled():
-    found = [*vars(ours).values(), *vars(theirs).values(), loop.run]
+    found = [*vars(ours).values(), *vars(theirs).values(), loop.follow, loop.wait]
     return {k.__name__: list(k.signatures) for k in found if hasattr(k, "signatures")}
 
 ours.warm_up()
 theirs.warm_up()
 loop.warm_up()
 before = compiled()
-assert len(before) == 7 and all(before.values()), before
+assert len(before) == 8 and all(before.values()), before
 cases = pr2_cases()
 problem = cases.problem
 arm = load_arm(problem.scene.robot)
