@@ -13,9 +13,10 @@ from mamo_core.types.scene import SceneState
 class Watch(NamedTuple):
     """Which steps nobody has to look at; a world that passes over some notes what touched in them.
 
-    A tuple, as compiled code takes one. After such a step everything is ``within`` (``mamo_core.constraints.kernels``) ``bounds`` (n, 6)
+    After such a step everything is ``within`` (``mamo_core.constraints.kernels``) ``bounds`` (n, 6)
     and ``forbidden`` (e, e), and no joint is more than ``lag`` (rad) from where it should be.
-    ``touched`` (e, e): gets True at the pairs, in ascending order, that touch.
+    ``touched`` (e, e): gets True at the pairs, in ascending order, that touch. A tuple, which
+    compiled code can take.
     """
 
     bounds: Array

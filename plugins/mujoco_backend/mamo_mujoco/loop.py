@@ -18,9 +18,9 @@ from mamo_mujoco.memory import CIntArray
 
 
 def _load_library() -> None:
-    """Let compiled code call the library that the bindings use (loaded once, under one name)."""
+    """Let compiled code call the library of the bindings, which have it loaded already."""
     folder = Path(mujoco.__file__).parent
-    (library,) = (p for p in folder.iterdir() if p.name.startswith(("libmujoco.", "mujoco.dll")))
+    library = next(p for p in folder.iterdir() if p.name.startswith(("libmujoco.", "mujoco.dll")))
     llvmlite.binding.load_library_permanently(str(library))
 
 

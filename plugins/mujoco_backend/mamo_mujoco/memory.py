@@ -10,7 +10,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import numpy.typing as npt
-from mujoco.introspect.ast_nodes import ArrayType, PointerType
+from mujoco.introspect.ast_nodes import ArrayType, PointerType, ValueType
 from mujoco.introspect.structs import STRUCTS
 
 from mamo_core.errors import PluginError
@@ -32,7 +32,7 @@ _BALLS = """
   <option timestep="0.01"/>
   <worldbody>
     <geom type="plane" size="1 1 1"/>
-    <body pos="0 0 0.1"><freejoint/><geom size="0.1"/></body>
+    <body pos="0 0 0.099"><freejoint/><geom size="0.1"/></body>
     <body pos="0 0.5 0.12"><freejoint/><geom size="0.1"/></body>
     <body pos="0 0.65 0.14"><freejoint/><geom size="0.1"/></body>
   </worldbody>
@@ -47,40 +47,45 @@ def contacts_of(data: Any) -> tuple[CIntArray, CIntArray]:
         PluginError: this version of MuJoCo has them elsewhere.
     """
     _check()
-    return _views(data)
+    here, contact = _here(data), _structure("mjContact")
+    size, first = _words(ctypes.sizeof(contact)), _words(contact.geom.offset)
+    rows = here.narena // ctypes.sizeof(contact)
+    count = (ctypes.c_int * 1).from_address(data._address + type(here).ncon.offset)
+    words = (ctypes.c_int * (rows * size)).from_address(here.contact)
+    geoms = np.ctypeslib.as_array(words).reshape(rows, size)[:, first : first + 2]
+    return np.ctypeslib.as_array(count), geoms
 
 
 @cache
 def _check() -> None:
-    """Compare with what the bindings say, while balls fall and the contacts change."""
-    model = mujoco.MjModel.from_xml_string(_BALLS)
-    data = mujoco.MjData(model)
-    count, geoms = _views(data)
+    """Compare with what the bindings say, while balls fall and the number of contacts changes.
+
+    Contacts lie at the beginning of the arena, which never moves.
+    """
+    data = mujoco.MjData(model := mujoco.MjModel.from_xml_string(_BALLS))
+    begin, contact = _here(data).contact, _structure("mjContact")
     for _ in range(10):
         mujoco.mj_step(model, data)
-        if count[0] != data.ncon or not np.array_equal(geoms[: data.ncon], data.contact.geom):
-            raise PluginError(
-                f"backend 'mujoco': MuJoCo {mujoco.__version__} does not keep its contacts where "
-                "its own description says; install the version that mamo is tested with"
-            )
+        here, geoms = _here(data), data.contact.geom
+        found = here.narena, here.ncon, begin + contact.geom.offset, ctypes.sizeof(contact)
+        if found != (data.narena, data.ncon, geoms.ctypes.data, geoms.strides[0]):
+            raise _unknown("does not have its contacts where its own description says")
 
 
-def _views(data: Any) -> tuple[CIntArray, CIntArray]:
-    """Contacts always lie at the beginning of the arena, which never moves."""
-    layout, contact = _structure("mjData"), _structure("mjContact")
-    here = layout.from_address(data._address)
-    size, first = (n // ctypes.sizeof(ctypes.c_int) for n in _place(contact, "geom"))
-    rows = here.narena // ctypes.sizeof(contact)
-    words = (ctypes.c_int * (rows * size)).from_address(here.contact)
-    count = (ctypes.c_int * 1).from_address(data._address + layout.ncon.offset)
-    return (
-        np.ctypeslib.as_array(count),
-        np.ctypeslib.as_array(words).reshape(rows, size)[:, first : first + 2],
+def _unknown(what: str) -> PluginError:
+    return PluginError(
+        f"backend 'mujoco': MuJoCo {mujoco.__version__} {what}; "
+        "install the version in mamo's constraints.txt"
     )
 
 
-def _place(structure: Any, field: str) -> tuple[int, int]:
-    return ctypes.sizeof(structure), getattr(structure, field).offset
+def _words(size: int) -> int:
+    return size // ctypes.sizeof(ctypes.c_int)
+
+
+def _here(data: Any) -> Any:
+    """The engine's structure behind ``data``."""
+    return _structure("mjData").from_address(data._address)
 
 
 @cache
@@ -92,7 +97,11 @@ def _structure(name: str) -> Any:
 
 def _type(kind: Any) -> Any:
     if isinstance(kind, PointerType):
-        return ctypes.c_void_p
+        return ctypes.c_size_t
     if isinstance(kind, ArrayType):
         return _type(kind.inner_type) * math.prod(kind.extents)
-    return _structure(kind.name) if kind.name in STRUCTS else _PLAIN[kind.name]
+    if isinstance(kind, ValueType) and kind.name in STRUCTS:
+        return _structure(kind.name)
+    if isinstance(kind, ValueType) and kind.name in _PLAIN:
+        return _PLAIN[kind.name]
+    raise _unknown(f"describes a type that mamo does not know: {kind}")
