@@ -3,26 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
-from mamo_core.types.geometry import Array, BoolArray
-from mamo_core.types.rollout import StepObservation
+from mamo_core.types.geometry import Array
+from mamo_core.types.rollout import StepObservation, Watch
 from mamo_core.types.scene import SceneState
-
-
-class Watch(NamedTuple):
-    """Which steps nobody has to look at; a world that passes over some notes what touched in them.
-
-    After such a step everything is ``within`` (``mamo_core.constraints.kernels``) ``bounds`` (n, 6)
-    and ``forbidden`` (e, e), and no joint is more than ``lag`` (rad) from where it should be.
-    ``touched`` (e, e): gets True at the pairs, in ascending order, that touch. A tuple, which
-    compiled code can take.
-    """
-
-    bounds: Array
-    forbidden: BoolArray
-    lag: float
-    touched: BoolArray
 
 
 class SimulatedWorld(ABC):
@@ -49,27 +34,6 @@ class SimulatedWorld(ABC):
     def step(self) -> None:
         """Simulate ``time_step`` seconds."""
 
-    def follow(
-        self, positions: Array, velocities: Array, drives: Array, watch: Watch | None
-    ) -> int:
-        """Execute commands (k, dof), (k, dof), (k,) up to a step to look at; how many these are.
-
-        That is at the latest the last one, or the first that the ``watch`` does not call harmless.
-        To stop after each step, as here, is always right; an engine whose steps take hardly longer
-        than looking at them may go on.
-        """
-        self.command(positions[0], velocities[0], float(drives[0]))
-        self.step()
-        return 1
-
-    def wait(self, end: Array, steps: int, speed: float, spin: float, watch: Watch | None) -> int:
-        """As ``follow``, at most ``steps`` without a command: the arm should be at ``end`` (dof,).
-
-        A step after which the world is ``at_rest`` is looked at, too.
-        """
-        self.step()
-        return 1
-
     @abstractmethod
     def observe(self, time: float, held: int) -> StepObservation:
         """What the constraints are shown; both arguments go into it as they are."""
@@ -93,6 +57,27 @@ class SimulatedWorld(ABC):
     @abstractmethod
     def hold(self, place: int) -> None:
         """Fix object number ``place`` to the tool link where it is now; -1 lets go."""
+
+    def follow(
+        self, positions: Array, velocities: Array, drives: Array, watch: Watch | None
+    ) -> int:
+        """Execute commands (k, dof), (k, dof), (k,) up to a step to look at; how many these are.
+
+        That is at the latest the last one, or the first that the ``watch`` does not call harmless.
+        To stop after each step, as here, is always right; an engine whose steps take hardly longer
+        than looking at them may go on.
+        """
+        self.command(positions[0], velocities[0], float(drives[0]))
+        self.step()
+        return 1
+
+    def wait(self, end: Array, steps: int, speed: float, spin: float, watch: Watch | None) -> int:
+        """As ``follow``, at most ``steps`` without a command: the arm should be at ``end`` (dof,).
+
+        A step after which the world is ``at_rest`` is looked at, too.
+        """
+        self.step()
+        return 1
 
     def snapshot(self) -> Any:
         """The whole state, for ``restore`` in a world of the same problem; it can be pickled."""

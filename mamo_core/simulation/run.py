@@ -11,12 +11,12 @@ from mamo_core.constraints.kernels import largest_gap
 from mamo_core.constraints.monitor import ConstraintMonitor
 from mamo_core.constraints.recorder import TraceRecorder
 from mamo_core.interfaces.constraint import InteractionConstraint
-from mamo_core.interfaces.simulated_world import SimulatedWorld, Watch
+from mamo_core.interfaces.simulated_world import SimulatedWorld
 from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.robots.model import GripperModel
 from mamo_core.types.geometry import Array, IntArray
 from mamo_core.types.motion import Motion, MotionSegment
-from mamo_core.types.rollout import NO_CONTACTS, RolloutResult
+from mamo_core.types.rollout import NO_CONTACTS, RolloutResult, Watch
 from mamo_core.types.scene import Scene, SceneState, displacements
 
 MOVED = 0.01

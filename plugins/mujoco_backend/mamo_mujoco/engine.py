@@ -7,10 +7,10 @@ from typing import Any, ClassVar
 import mujoco
 import numpy as np
 
-from mamo_core.interfaces.simulated_world import SimulatedWorld, Watch
+from mamo_core.interfaces.simulated_world import SimulatedWorld
 from mamo_core.types.geometry import Array, IntArray, invert, matrix_from_pose, pose_from_matrix
 from mamo_core.types.problem import Problem
-from mamo_core.types.rollout import NO_CONTACTS, StepObservation
+from mamo_core.types.rollout import NO_CONTACTS, StepObservation, Watch
 from mamo_core.types.scene import SceneState
 from mamo_mujoco.kernels import at_rest, command, contact_pairs, observe
 from mamo_mujoco.loop import Memory, Places, follow, wait
@@ -62,19 +62,6 @@ class MuJoCoWorld(SimulatedWorld):
     def step(self) -> None:
         mujoco.mj_step(self._model, self._data)
 
-    def follow(
-        self, positions: Array, velocities: Array, drives: Array, watch: Watch | None
-    ) -> int:
-        if watch is None:
-            return super().follow(positions, velocities, drives, watch)
-        commands = positions, velocities, drives
-        return follow(self._memory, self._places, watch, self._seen, *commands, self._lead)
-
-    def wait(self, end: Array, steps: int, speed: float, spin: float, watch: Watch | None) -> int:
-        if watch is None:
-            return super().wait(end, steps, speed, spin, watch)
-        return wait(self._memory, self._places, watch, self._seen, end, steps, speed, spin)
-
     def observe(self, time: float, held: int) -> StepObservation:
         observe(self._xpos, self._xmat, self._qvel, self._objects, self._seen)
         # Three small copies take less time than room for one that is large.
@@ -116,6 +103,19 @@ class MuJoCoWorld(SimulatedWorld):
         self._model.eq_data[weld, :3] = 0.0
         self._model.eq_data[weld, 3:10] = pose_from_matrix(T)
         self._data.eq_active[weld] = 1
+
+    def follow(
+        self, positions: Array, velocities: Array, drives: Array, watch: Watch | None
+    ) -> int:
+        if watch is None:
+            return super().follow(positions, velocities, drives, watch)
+        commands = positions, velocities, drives
+        return follow(self._memory, self._places, watch, self._seen, *commands, self._lead)
+
+    def wait(self, end: Array, steps: int, speed: float, spin: float, watch: Watch | None) -> int:
+        if watch is None:
+            return super().wait(end, steps, speed, spin, watch)
+        return wait(self._memory, self._places, watch, self._seen, end, steps, speed, spin)
 
     def snapshot(self) -> Any:
         """All that a step begins with; a copy of ``MjData`` takes far more memory and time."""

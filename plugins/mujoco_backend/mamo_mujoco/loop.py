@@ -11,8 +11,8 @@ import numpy as np
 from numba import njit, types
 
 from mamo_core.constraints.kernels import largest_gap, within
-from mamo_core.interfaces.simulated_world import Watch
 from mamo_core.types.geometry import Array, IntArray
+from mamo_core.types.rollout import Watch
 from mamo_mujoco.kernels import at_rest, command, contact_pairs, observe
 from mamo_mujoco.memory import CIntArray
 
