@@ -2,10 +2,9 @@
 
     python benchmarks/steps.py
 
-The same pushes on a shelf with 15 objects to their end, in turns. Steps are CPU time of a whole
-rollout. Then each push with a dozen sampled masses, in one thread and in two: how long these ran,
-and how long they were blocked, neither running nor waiting for a core (Linux counts that), which is
-waiting for the interpreter. Wall time would say how busy the machine is.
+The same pushes on a shelf with 15 objects up to their first violation, in turns, each with a dozen
+sampled masses, in one thread and in two. Steps are CPU time of whole rollouts, and how many of them
+a call of the engine makes; wall time means something only on a machine that has nothing else to do.
 """
 
 from __future__ import annotations
@@ -13,40 +12,36 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
-from functools import partial
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
 from itertools import islice, product
-from pathlib import Path
 from typing import Any
 from unittest import mock
 
 import numpy as np
 from mamo_mujoco.engine import MuJoCoWorld
+from mamo_mujoco.model import MuJoCoModel
+from mamo_mujoco.options import MuJoCoOptions
 from measures.push import pushes
 
 from mamo_core.interfaces.simulated_world import SimulatedWorld
-from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.plugins import discover
-from mamo_core.types.geometry import Array
 from mamo_core.types.problem import Problem
-from mamo_core.types.rollout import ParameterOverrides, RolloutResult
+from mamo_core.types.rollout import ParameterOverrides
 from mamo_core.warmup import load_kernels
 
 SAMPLES = 12
-TO_THE_END = RolloutOptions(stop_early=False)
-
-Rollout = Callable[[ParameterOverrides | None], RolloutResult]
+ENGINES: dict[str, Any] = {"one by one": SimulatedWorld, "compiled": MuJoCoWorld}
 
 
 @dataclass
 class Tally:
-    """CPU seconds and steps of single rollouts; of the samples (2,): ran, blocked, s."""
+    """CPU and wall seconds, steps, and how many of them each call of the engine made."""
 
-    seconds: float = 0.0
+    cpu: float = 0.0
+    wall: float = 0.0
     steps: int = 0
-    samples: Array | float = 0.0
+    made: list[int] = field(default_factory=list)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -54,15 +49,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     made = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    made.add_argument("--pushes", type=int, default=20, metavar="N")
-    made.add_argument("--repeats", type=int, default=5, metavar="N")
+    made.add_argument("--pushes", type=int, default=10, metavar="N")
+    made.add_argument("--repeats", type=int, default=3, metavar="N")
     options = made.parse_args(arguments)
     tallies = measure(options.pushes, options.repeats)
-    print(f"{'steps':12} {'threads':>7} {'us/step':>8} {'ran s':>8} {'blocked s':>10}")
+    print(
+        f"{'steps':12} {'threads':>7} {'us/step':>8} {'steps/call':>10} {'wall s':>8} {'CPU s':>8}"
+    )
     for (way, threads), tally in tallies.items():
-        ran, blocked = np.broadcast_to(tally.samples, 2)
-        each = 1e6 * tally.seconds / tally.steps
-        print(f"{way:12} {threads:7} {each:8.2f} {ran:8.3f} {blocked:10.3f}")
+        each, together = 1e6 * tally.cpu / tally.steps, np.mean(tally.made)
+        print(
+            f"{way:12} {threads:7} {each:8.2f} {together:10.1f} {tally.wall:8.3f} {tally.cpu:8.3f}"
+        )
     return 0
 
 
@@ -70,24 +68,23 @@ def measure(count: int, repeats: int) -> dict[tuple[str, int], Tally]:
     """By way and number of threads."""
     registry = discover()
     load_kernels(registry)
-    tallies = {key: Tally() for key in product(("one by one", "compiled"), (1, 2))}
+    tallies = {key: Tally() for key in product(ENGINES, (1, 2))}
     for context, action in islice(pushes(registry), count):
-        sweep = action.motion.after_transit()
-        state = context.problem.initial.with_joints(sweep.start)
-        model = context.part("backend")
-        rollout = partial(_rollout, model, state, sweep)
-        sets = _sampled(context.problem)
+        problem, sweep = context.problem, action.motion.after_transit()
+        models = {
+            threads: MuJoCoModel(
+                problem, context.robot, context.constraints, MuJoCoOptions(batch_threads=threads)
+            )
+            for threads in (1, 2)
+        }
+        jobs = [problem.initial.with_joints(sweep.start)] * SAMPLES, [sweep] * SAMPLES
+        masses = _sampled(problem)
+        for model in models.values():  # their worlds are built here
+            model.rollout_batch(*jobs, parameters=masses)
         for _, ((way, threads), tally) in product(range(repeats), tallies.items()):
-            with _driven(way):
-                _add(tally, rollout, sets, threads)
+            with _driven(way, tally.made):
+                _add(tally, models[threads], jobs, masses)
     return tallies
-
-
-def _rollout(
-    model: Any, state: Any, motion: Any, values: ParameterOverrides | None
-) -> RolloutResult:
-    result: RolloutResult = model.rollout(state, motion, parameters=values, options=TO_THE_END)
-    return result
 
 
 def _sampled(problem: Problem) -> list[ParameterOverrides]:
@@ -99,35 +96,29 @@ def _sampled(problem: Problem) -> list[ParameterOverrides]:
     ]
 
 
-def _driven(way: str) -> AbstractContextManager[Any]:
-    """While it lasts, the engine goes on as far as it can, or not."""
-    if way == "compiled":
-        return nullcontext()
-    default: dict[str, Any] = {"follow": SimulatedWorld.follow, "wait": SimulatedWorld.wait}
-    return mock.patch.multiple(MuJoCoWorld, **default)
+def _driven(way: str, made: list[int]) -> AbstractContextManager[Any]:
+    """While it lasts, the engine goes on as far as it can, or not; ``made`` gets the steps."""
+    counted: dict[str, Any] = {
+        name: _counted(getattr(ENGINES[way], name), made) for name in ("follow", "wait")
+    }
+    return mock.patch.multiple(MuJoCoWorld, **counted)
 
 
-def _add(tally: Tally, rollout: Rollout, sets: list[ParameterOverrides], threads: int) -> None:
-    started = time.thread_time()
-    tally.steps += rollout(None).steps
-    tally.seconds += time.thread_time() - started
-    with ThreadPoolExecutor(threads) as pool:
-        shares = pool.map(partial(_share, rollout), (sets[i::threads] for i in range(threads)))
-        tally.samples = tally.samples + np.sum(list(shares), axis=0)
+def _counted(run: Callable[..., int], made: list[int]) -> Callable[..., int]:
+    def count(*arguments: Any) -> int:
+        steps = run(*arguments)
+        made.append(steps)  # in a thread: what is last may be another's
+        return steps
+
+    return count
 
 
-def _share(rollout: Rollout, sets: list[ParameterOverrides]) -> Array:
-    """What one thread does of the samples: seconds it ran, and was blocked."""
-    before, started = _scheduled(), time.perf_counter()
-    for values in sets:
-        rollout(values)
-    wall, (ran, queued) = time.perf_counter() - started, _scheduled() - before
-    return np.array([ran, wall - ran - queued])
-
-
-def _scheduled() -> Array:
-    """Seconds that this thread ran and that it waited for a core."""
-    return 1e-9 * np.array(Path("/proc/thread-self/schedstat").read_text().split()[:2], dtype=float)
+def _add(tally: Tally, model: MuJoCoModel, jobs: Any, masses: list[ParameterOverrides]) -> None:
+    wall, cpu = time.perf_counter(), time.process_time()
+    results = model.rollout_batch(*jobs, parameters=masses)
+    tally.wall += time.perf_counter() - wall
+    tally.cpu += time.process_time() - cpu
+    tally.steps += sum(result.steps for result in results)
 
 
 if __name__ == "__main__":
