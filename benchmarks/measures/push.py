@@ -37,7 +37,7 @@ ROLES = (
 def measure(registry: Registry) -> Measured:
     """CPU time to the end of the push, whatever it breaks, and with an early stop."""
     whole, stopped, valid, simulated = [], [], 0, []
-    for context, action in islice(_pushes(registry), PUSHES):
+    for context, action in islice(pushes(registry), PUSHES):
         model, sweep = context.part("backend"), action.motion.after_transit()
         state = context.problem.initial.with_joints(sweep.start)
         result = model.rollout(state, sweep, options=RolloutOptions(stop_early=False))
@@ -60,7 +60,8 @@ def measure(registry: Registry) -> Measured:
     return Measured({"push_cpu_s": float(np.median(whole))}, {"push_cpu_s": how})
 
 
-def _pushes(registry: Registry) -> Iterator[tuple[BuildContext, RearrangementAction]]:
+def pushes(registry: Registry) -> Iterator[tuple[BuildContext, RearrangementAction]]:
+    """Pushes proposed for MAPF paths, and the parts they were made with."""
     for context in shelves(registry, MOVABLES, ROLES):
         rng = np.random.default_rng(0)
         for request in requests(context, rng):

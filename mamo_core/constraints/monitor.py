@@ -30,6 +30,19 @@ class ConstraintMonitor:
         self._active: frozenset[tuple[str, str, str | None]] = frozenset()
         self.violations: list[Violation] = []
 
+    def limits(self, held: int) -> tuple[Array, BoolArray] | None:
+        """Bounds and forbidden pairs that ``within`` takes: no step in them has to be seen.
+
+        None if somebody wants to see all.
+        """
+        if self._others or not self._limited:
+            return None
+        return self._bounds, self._forbidden[1 + held]
+
+    def passed(self) -> None:
+        """At least one step within the limits was not shown: nothing is broken any more."""
+        self._active = frozenset()
+
     def see(self, step: StepObservation) -> bool:
         """Take one step in; True if anything new is broken."""
         _, positions, z_axes, velocities, contacts, held = step

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
 from mamo_core.types.geometry import Array
-from mamo_core.types.rollout import StepObservation
+from mamo_core.types.rollout import StepObservation, Watch
 from mamo_core.types.scene import SceneState
 
 
@@ -57,6 +57,27 @@ class SimulatedWorld(ABC):
     @abstractmethod
     def hold(self, place: int) -> None:
         """Fix object number ``place`` to the tool link where it is now; -1 lets go."""
+
+    def follow(
+        self, positions: Array, velocities: Array, drives: Array, watch: Watch | None
+    ) -> int:
+        """Execute commands (k, dof), (k, dof), (k,) up to a step to look at; how many these are.
+
+        That is at the latest the last one, or the first that the ``watch`` does not call harmless.
+        To stop after each step, as here, is always right; an engine whose steps take hardly longer
+        than looking at them may go on.
+        """
+        self.command(positions[0], velocities[0], float(drives[0]))
+        self.step()
+        return 1
+
+    def wait(self, end: Array, steps: int, speed: float, spin: float, watch: Watch | None) -> int:
+        """As ``follow``, at most ``steps`` without a command: the arm should be at ``end`` (dof,).
+
+        A step after which the world is ``at_rest`` is looked at, too.
+        """
+        self.step()
+        return 1
 
     def snapshot(self) -> Any:
         """The whole state, for ``restore`` in a world of the same problem; it can be pickled."""

@@ -16,7 +16,7 @@ from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.robots.model import GripperModel
 from mamo_core.types.geometry import Array, IntArray
 from mamo_core.types.motion import Motion, MotionSegment
-from mamo_core.types.rollout import NO_CONTACTS, RolloutResult
+from mamo_core.types.rollout import NO_CONTACTS, RolloutResult, Watch
 from mamo_core.types.scene import Scene, SceneState, displacements
 
 MOVED = 0.01
@@ -54,7 +54,7 @@ class MotionRun:
         self._recorder = TraceRecorder(step, count) if step is not None else None
         self._stalled = False
         self._time, self._steps, self._late = 0.0, 0, 0
-        self._touching: list[IntArray] = []
+        self._touched = np.zeros((count, count), dtype=np.bool_)
 
     def execute(self, motion: Motion, state: SceneState) -> RolloutResult:
         """Run to the end or to where the rollout stops; ``state`` is where the world stands."""
@@ -89,14 +89,24 @@ class MotionRun:
         before = np.vstack([trajectory.positions[:1], positions[:-1]])
         velocities = (positions - before) / self._step
         openings = np.linspace(self.opening, segment.opening, count + 1)[1:]
-        drives = self._gripper.drives(openings).tolist()
-        commands = zip(positions, velocities, drives, openings.tolist(), strict=True)
-        for position, velocity, drive, opening in commands:
-            self._world.command(position, velocity, drive)
-            if not self._advance(position, opening):
-                return False
+        drives = self._gripper.drives(openings)
+        if not self._follow(positions, velocities, drives, openings.tolist()):
+            return False
         self.opening = segment.opening
         return self._arrive(trajectory.positions[-1]) and self._settle(segment)
+
+    def _follow(
+        self, positions: Array, velocities: Array, drives: Array, openings: Sequence[float]
+    ) -> bool:
+        """Execute commands, one a step; False if the rollout ends here."""
+        done, watch = 0, self._watch()
+        while done < len(positions):
+            rest = positions[done:], velocities[done:], drives[done:]
+            steps = self._world.follow(*rest, watch)
+            done += steps
+            if not self._look(steps, positions[done - 1], openings[done - 1]):
+                return False
+        return True
 
     def _arrive(self, end: Array) -> bool:
         """Wait a little for an arm that is behind."""
@@ -104,30 +114,44 @@ class MotionRun:
         for _ in range(round(HOLD_SECONDS / self._step)):
             if largest_gap(self._world.joint_positions(), end) < ARRIVED:
                 break
-            if not self._advance(end, self.opening):
+            self._world.step()
+            if not self._look(1, end, self.opening):
                 return False
         return True
 
     def _settle(self, segment: MotionSegment) -> bool:
         """Wait until the objects rest, at most as long as the segment allows."""
-        resting, enough = 0, round(REST_SECONDS / self._step)
-        end = segment.trajectory.positions[-1]
-        for _ in range(int(segment.settle / self._step)):
+        end, left = segment.trajectory.positions[-1], int(segment.settle / self._step)
+        resting, watch = 0, self._watch()
+        while left > 0:
             resting = resting + 1 if self._world.at_rest(REST_SPEED, REST_SPIN) else 0
-            if resting >= enough:
+            if resting >= round(REST_SECONDS / self._step):
                 break
-            if not self._advance(end, segment.opening):
+            steps = self._world.wait(end, left, REST_SPEED, REST_SPIN, watch)
+            left -= steps
+            if steps > 1:  # between them it was not at rest
+                resting = 0
+            if not self._look(steps, end, segment.opening):
                 return False
         return True
 
-    def _advance(self, reference: Array, opening: float) -> bool:
-        """Simulate one step; False if the rollout ends here."""
-        self._world.step()
-        self._steps += 1
-        self._time += self._step
+    def _watch(self) -> Watch | None:
+        """What the world may pass over until the hand holds something else."""
+        limits = self._monitor.limits(self.held)
+        if limits is None or self._recorder is not None:
+            return None
+        return Watch(*limits, LAG, self._touched)
+
+    def _look(self, steps: int, reference: Array, opening: float) -> bool:
+        """See the last of some steps, the others were harmless; False if the rollout ends here."""
+        self._steps += steps
+        for _ in range(steps):  # a product has other digits
+            self._time += self._step
+        if steps > 1:
+            self._monitor.passed()
+            self._late = 0
         seen = self._world.observe(self._time, self.held)
-        if len(seen.contacts):
-            self._touching.append(seen.contacts)
+        self._touched[seen.contacts[:, 0], seen.contacts[:, 1]] = True
         broken = self._monitor.see(seen)
         if largest_gap(self._world.joint_positions(), reference) > LAG:
             self._late += 1
@@ -155,7 +179,4 @@ class MotionRun:
     def _contacts(self) -> frozenset[tuple[str, str]]:
         """Names of the pairs that touched."""
         names: Any = self._scene.entities
-        touched = np.zeros((len(names), len(names)), dtype=np.bool_)
-        pairs = np.concatenate([NO_CONTACTS, *self._touching])
-        touched[pairs[:, 0], pairs[:, 1]] = True
-        return frozenset((names[a], names[b]) for a, b in np.argwhere(touched))
+        return frozenset((names[a], names[b]) for a, b in np.argwhere(self._touched))

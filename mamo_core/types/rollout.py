@@ -31,6 +31,21 @@ class StepObservation(NamedTuple):
     held: int = -1
 
 
+class Watch(NamedTuple):
+    """Which steps nobody has to look at; a world that passes over some notes what touched in them.
+
+    After such a step everything is ``within`` (``mamo_core.constraints.kernels``) ``bounds`` (n, 6)
+    and ``forbidden`` (e, e), and no joint is more than ``lag`` (rad) from where it should be.
+    ``touched`` (e, e): gets True at the pairs, in ascending order, that touch. A tuple, which
+    compiled code can take.
+    """
+
+    bounds: Array
+    forbidden: BoolArray
+    lag: float
+    touched: BoolArray
+
+
 @dataclass(frozen=True)
 class Violation:
     """A broken constraint: ``subject`` (and ``other``, for contacts) at ``time`` s.

@@ -10,9 +10,11 @@ import numpy as np
 from mamo_core.interfaces.simulated_world import SimulatedWorld
 from mamo_core.types.geometry import Array, IntArray, invert, matrix_from_pose, pose_from_matrix
 from mamo_core.types.problem import Problem
-from mamo_core.types.rollout import NO_CONTACTS, StepObservation
+from mamo_core.types.rollout import NO_CONTACTS, StepObservation, Watch
 from mamo_core.types.scene import SceneState
 from mamo_mujoco.kernels import at_rest, command, contact_pairs, observe
+from mamo_mujoco.loop import Memory, Places, follow, wait
+from mamo_mujoco.memory import contacts_of
 from mamo_mujoco.world import WorldIndex
 
 _COUNTS = ("time", "ntree_awake", "nbody_awake", "nparent_awake", "nv_awake")
@@ -38,6 +40,11 @@ class MuJoCoWorld(SimulatedWorld):
         self._qpos, self._qvel, self._ctrl = data.qpos, data.qvel, data.ctrl
         self._xpos, self._xmat = data.xpos, data.xmat
         self._fields = _fields(data)
+        self._places = Places(index.arm_qpos, index.free_qvel, self._objects, index.entity)
+        self._memory = Memory(
+            *(model._address, data._address, self._ctrl, self._qpos, self._qvel),
+            *(self._xpos, self._xmat, *contacts_of(data)),
+        )
 
     def reset(self, state: SceneState, drive: float) -> None:
         data, index = self._data, self._index
@@ -96,6 +103,19 @@ class MuJoCoWorld(SimulatedWorld):
         self._model.eq_data[weld, :3] = 0.0
         self._model.eq_data[weld, 3:10] = pose_from_matrix(T)
         self._data.eq_active[weld] = 1
+
+    def follow(
+        self, positions: Array, velocities: Array, drives: Array, watch: Watch | None
+    ) -> int:
+        if watch is None:
+            return super().follow(positions, velocities, drives, watch)
+        commands = positions, velocities, drives
+        return follow(self._memory, self._places, watch, self._seen, *commands, self._lead)
+
+    def wait(self, end: Array, steps: int, speed: float, spin: float, watch: Watch | None) -> int:
+        if watch is None:
+            return super().wait(end, steps, speed, spin, watch)
+        return wait(self._memory, self._places, watch, self._seen, end, steps, speed, spin)
 
     def snapshot(self) -> Any:
         """All that a step begins with; a copy of ``MjData`` takes far more memory and time."""

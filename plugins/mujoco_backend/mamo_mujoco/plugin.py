@@ -63,6 +63,7 @@ def mamo_renderers() -> Iterable[Component]:
 
 def warm_up() -> None:
     """Compile the kernels (or read them from numba's cache)."""
-    from mamo_mujoco.kernels import warm_up as compile_all
+    from mamo_mujoco import kernels, loop
 
-    compile_all()
+    kernels.warm_up()
+    loop.warm_up()

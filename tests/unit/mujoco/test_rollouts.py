@@ -8,14 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mamo_geometry.kinematics import ChainKinematics
-from mamo_geometry.options import KinematicsOptions
 
 from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.problems import generate_shelf
 from mamo_core.robots.kinematics import tool_transform
 from mamo_core.testing.transition_cases import merged
-from mamo_core.types.geometry import Box, invert, make_pose, matrix_from_pose, tool_matrix, z_axes
+from mamo_core.types.geometry import Box, invert, make_pose, matrix_from_pose, z_axes
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.rollout import ParameterOverrides
 from mamo_core.types.scene import Mobility, SceneState, displacements
@@ -197,17 +195,19 @@ from mamo_core.constraints import kernels as ours
 from mamo_core.robots import load_arm
 from mamo_core.testing.transition_cases import pr2_cases, standard_constraints
 from mamo_mujoco import kernels as theirs
+from mamo_mujoco import loop
 from mamo_mujoco.model import MuJoCoModel
 from mamo_mujoco.options import MuJoCoOptions
 
 def compiled():
-    found = [*vars(ours).values(), *vars(theirs).values()]
+    found = [*vars(ours).values(), *vars(theirs).values(), loop.follow, loop.wait]
     return {k.__name__: list(k.signatures) for k in found if hasattr(k, "signatures")}
 
 ours.warm_up()
 theirs.warm_up()
+loop.warm_up()
 before = compiled()
-assert len(before) == 6 and all(before.values()), before
+assert len(before) == 8 and all(before.values()), before
 cases = pr2_cases()
 problem = cases.problem
 arm = load_arm(problem.scene.robot)
@@ -237,35 +237,6 @@ def test_sleep_changes_little(cases, model, model_of):
     assert all(r.valid for r in results)
     assert results[0].moved == results[1].moved == ("can",)
     assert np.linalg.norm(poses[0][:, :3] - poses[1][:, :3], axis=1).max() < 3e-3
-
-
-@pytest.fixture(scope="module")
-def grasping(cases, arm):
-    """The problem with the hand around the target, and a motion that takes it 10 cm up and out."""
-    problem = cases.problem
-    index = problem.scene.target_index
-    kinematics = ChainKinematics(problem.scene, arm, KinematicsOptions())
-    poses = np.array(problem.initial.object_poses)
-    poses[index, :2] = 0.62, -0.5
-    poses[problem.scene.index("can"), :2] = 0.9, -0.75
-    T = tool_matrix(poses[index, :3], 0.0)
-    T_up, T_out = T.copy(), T.copy()
-    T_up[2, 3] += 0.07
-    T_out[:3, 3] += [-0.1, 0.0, 0.07]
-    for q in kinematics.inverse(T, np.random.default_rng(0), count=8):
-        up = kinematics.follow_line(q, T_up)
-        out = kinematics.follow_line(up.path[-1], T_out)
-        if up.fraction == out.fraction == 1.0:
-            break
-    opening = 0.07
-    lifted, taken = (
-        MotionSegment(
-            kind, Trajectory(np.linspace(0, 1.0, len(path)), path), opening, "target", True
-        )
-        for kind, path in ((SegmentKind.LIFT, up.path), (SegmentKind.CARRY, out.path))
-    )
-    changed = replace(problem, initial=SceneState(q, poses))
-    return changed, Motion((lifted, taken), opening)
 
 
 def test_the_held_target_follows_the_tool(grasping, arm, model_of):
