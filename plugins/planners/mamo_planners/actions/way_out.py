@@ -14,6 +14,7 @@ from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import Mobility
 from mamo_planners.mapf.footprint import FootprintArrays, footprint_of, pack
 from mamo_planners.mapf.maps import cells_inside, free_cells
+from mamo_planners.mapf.tables import TOUCH
 
 STEP = 0.01
 """Length of a step, m; to turn by one layer moves the corners about as far."""
@@ -23,8 +24,6 @@ NEVER = 30_000
 
 _FAR = 1.0
 """The kernels count cells from so far (m) before the workspace, where no obstacle is near."""
-
-_MOVES = [(axis, by) for axis in range(3) for by in (-1, 1)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +107,7 @@ class WaysOut:
         """Where (nx, ny) the footprint is between ``lower`` (2,) and the upper bounds."""
         reach = np.abs(shapes.points[layer]).max(axis=0)
         x, y = (self._open[axis] + np.arange(self._size[axis]) * STEP for axis in range(2))
-        low, high = lower + reach, self._upper - reach
+        low, high = lower + reach - TOUCH, self._upper - reach + TOUCH
         return ((x >= low[0]) & (x <= high[0]))[:, None] & ((y >= low[1]) & (y <= high[1]))
 
 
@@ -130,12 +129,9 @@ def _spread(free: BoolArray, ends: BoolArray) -> npt.NDArray[np.int16]:
 
 def _beside(cells: BoolArray) -> BoolArray:
     """Cells one step from some; after the last layer comes the first."""
-    found = np.zeros_like(cells)
-    for axis, by in _MOVES:
-        moved = np.roll(cells, by, axis=axis)
-        if axis < 2:
-            edge = [slice(None)] * 3
-            edge[axis] = 0 if by > 0 else -1
-            moved[tuple(edge)] = False
-        found |= moved
+    found: BoolArray = np.roll(cells, 1, axis=2) | np.roll(cells, -1, axis=2)
+    found[1:] |= cells[:-1]
+    found[:-1] |= cells[1:]
+    found[:, 1:] |= cells[:, :-1]
+    found[:, :-1] |= cells[:, 1:]
     return found
