@@ -1,6 +1,6 @@
 """Is there any way for the open hand to the target, on meshes and as if there were no movables?
 
-    python benchmarks/way_to_grasps.py PROBLEM[#ID] --checks 1000000
+    python benchmarks/way_to_grasps.py PROBLEM[#ID] --checks 300000
 
 counts arm configurations that are free at the problem's grasps, those from which the hand can go
 straight back, and asks RRT-Connect for a way from home to any of them. That none is found proves
