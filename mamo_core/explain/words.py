@@ -41,6 +41,7 @@ CAUSES: dict[str, str] = {
     "start_blocked": "the arm is in collision where the push begins",
     "line_untrackable": "the arm cannot follow the straight line of the push",
     "sweep_blocked": "the arm meets something fixed while it pushes",
+    "no_turn_helps": "to turn it does not bring it nearer to a place outside the swept region",
     "no_place": "no place outside the swept region was found for it",
     # pick and place
     "ungraspable": "no grasp of it fits the hand",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,6 +42,15 @@ class ActionGenerator(ABC):
 
         Failures are counted in ``statistics`` by cause.
         """
+
+    def progress(
+        self, before: SceneState, request: ActionRequest
+    ) -> Callable[[SceneState], bool] | None:
+        """Whether a state after an action, begun at ``before``, is what it was for.
+
+        None: the search judges that, which is the default.
+        """
+        return None
 
     def without(self, names: Collection[str]) -> ActionGenerator | None:
         """A generator as if some things were not there, to find out what they block.

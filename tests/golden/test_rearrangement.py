@@ -191,6 +191,21 @@ def test_a_second_kind_of_action_is_tried_where_the_first_fails(search_of, in_wo
     assert solution.statistics.counts["expansions"] == 1
 
 
+def test_an_action_may_say_itself_what_it_must_have_brought_about(search_of, in_words):
+    """Here, to have gone to the right; MAPF wants the left first."""
+
+    class OnlyToTheRight(StraightPush):
+        def progress(self, before, request):
+            number = self._problem.scene.index(request.object_name)
+            return lambda after: after.object_poses[number, 1] < before.object_poses[number, 1]
+
+    problem = one_blocker().problem
+    search = search_of(problem, actions=[OnlyToTheRight(problem)], kind="depth_first")
+    solution = search.solve()
+    assert in_words(solution) == ["push a to 25,-10"]
+    assert solution.statistics.causes["a/push/no_gain"] == 1
+
+
 def test_cheaper_kinds_come_first(search_of):
     problem = one_blocker().problem
     asked = []

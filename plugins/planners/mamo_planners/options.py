@@ -42,6 +42,24 @@ class PushOptions(Options):
     shortest: float = Field(0.02, gt=0.0, description="shortest push worth trying, m")
 
 
+class TurnOptions(Options):
+    """Options of ``turn``."""
+
+    samples: int = Field(4, ge=1, description="pushes proposed per object and request")
+    per_line: int = Field(2, ge=1, description="of these, with the hand going along one line")
+    lines: int = Field(24, ge=1, description="lines for the hand that are looked at per request")
+    longest: float = Field(0.15, gt=0.0, description="longest push, m")
+    gain: int = Field(
+        2, ge=1, description="steps (1 cm, or a turn by as much) that a push brings the box nearer"
+    )
+    least_share: float = Field(
+        0.6,
+        gt=0.0,
+        le=1.0,
+        description="what a line gains counts by a share drawn from here to 1 in their order",
+    )
+
+
 class PickPlaceOptions(Options):
     """Options of ``pick_place``."""
 

@@ -11,7 +11,7 @@ from mamo_core.types.search_graph import KEEPS_GRAPHS
 from mamo_planners.baselines.options import DogarOptions, SelectiveSimulationOptions
 from mamo_planners.baselines.sampling.components import components as sampling_components
 from mamo_planners.mapf.components import COMPONENTS as MAPF_COMPONENTS
-from mamo_planners.options import PickPlaceOptions, PushOptions, RetrievalOptions
+from mamo_planners.options import PickPlaceOptions, PushOptions, RetrievalOptions, TurnOptions
 from mamo_planners.reaching.options import ArmLatticeOptions, SpampOptions
 from mamo_planners.search.options import (
     BestFirstOptions,
@@ -57,6 +57,14 @@ def _push(context: BuildContext, options: PushOptions) -> Any:
     from mamo_planners.actions.push import Push
 
     return Push(*_arm_parts(context), options)
+
+
+def _turn(context: BuildContext, options: TurnOptions) -> Any:
+    from mamo_planners.actions.push import Push
+    from mamo_planners.actions.turn import Turn
+
+    pushes = PushOptions(samples=options.per_line)
+    return Turn(context.problem, Push(*_arm_parts(context), pushes, kind="turn"), options)
 
 
 def _pick_place(context: BuildContext, options: PickPlaceOptions) -> Any:
@@ -229,6 +237,13 @@ def mamo_actions() -> Iterable[Component]:
             _pick_place,
             PickPlaceOptions,
             "grasp, carry without contact, put down, thesis 6.3.1",
+            requires={"collision": frozenset({"hands_free"})},
+        ),
+        Component(
+            "turn",
+            _turn,
+            TurnOptions,
+            "pushes beside the centre that turn a box out of the way",
             requires={"collision": frozenset({"hands_free"})},
         ),
     ]

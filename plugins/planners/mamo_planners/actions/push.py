@@ -27,7 +27,8 @@ from mamo_planners.actions.push_geometry import (
     rich_tool_poses,
     thesis_tool_poses,
 )
-from mamo_planners.footprints import Outlines, extent_along, free_slide
+from mamo_planners.actions.push_line import PushLine, through_centre
+from mamo_planners.footprints import Outlines, free_slide
 from mamo_planners.ignoring import IgnoringChecker
 from mamo_planners.options import PushOptions
 
@@ -59,8 +60,10 @@ class Push(ActionGenerator):
         arm_planner: ArmPlanner,
         options: PushOptions,
         gone: Collection[str] = (),
+        kind: str = "push",
     ) -> None:
-        """``gone``: things that pushed objects do not meet."""
+        """``gone``: things that pushed objects do not meet. ``kind``: of what it proposes."""
+        self._kind = kind
         self._problem, self._arm, self._options = problem, arm, options
         self._kinematics, self._collision, self._arm_planner = kinematics, collision, arm_planner
         self._opening = arm.gripper.closed
@@ -90,14 +93,27 @@ class Push(ActionGenerator):
         delta = self._displacement(shape, pose, request, rng)
         length = float(np.linalg.norm(delta))
         if length < self._options.shortest:
-            statistics.failed(request.object_name, "push", "no_room")
+            statistics.failed(request.object_name, self._kind, "no_room")
             return
-        with statistics.timed("push_poses"):
-            starts = self._starts(state, request.object_name, shape, pose, delta, rng, statistics)
-        goal = np.stack([pose[:2], pose[:2] + delta])
-        yield from self._approached(state, request.object_name, starts, goal, rng, statistics)
+        line = through_centre(shape, pose, delta)
+        yield from self.along(state, request.object_name, line, rng, statistics)
 
-    def without(self, names: Collection[str]) -> ActionGenerator:
+    def along(
+        self,
+        state: SceneState,
+        name: str,
+        line: PushLine,
+        rng: np.random.Generator,
+        statistics: Statistics,
+    ) -> Iterator[RearrangementAction]:
+        """Pushes along a line, likely ones first, computed when asked for."""
+        with statistics.timed("push_poses"):
+            starts = self._starts(state, name, line, rng, statistics)
+        position = state.object_poses[self._problem.scene.index(name), :2]
+        goal = np.stack([position, position + line.delta])
+        yield from self._approached(state, name, starts, goal, rng, statistics)
+
+    def without(self, names: Collection[str]) -> Push:
         return Push(
             self._problem,
             self._arm,
@@ -106,6 +122,7 @@ class Push(ActionGenerator):
             self._arm_planner,
             self._options,
             gone=names,
+            kind=self._kind,
         )
 
     def _displacement(
@@ -144,62 +161,56 @@ class Push(ActionGenerator):
         self,
         state: SceneState,
         name: str,
-        shape: Shape,
-        pose: Array,
-        delta: Array,
+        line: PushLine,
         rng: np.random.Generator,
         statistics: Statistics,
     ) -> list[_Start]:
         """Arm configurations behind the object whose sweep is clear of what is fixed."""
-        direction = delta / np.linalg.norm(delta)
-        extent = extent_along(shape, pose, direction)
         everything = self._collision.world(state.object_poses, opening=self._opening)
         fixed_only = self._collision.world(
             state.object_poses, opening=self._opening, ignore=self._movables
         )
         found: list[_Start] = []
-        tools = self._screened(pose, direction, extent, delta, rng, everything, fixed_only)
+        tools = self._screened(line, rng, everything, fixed_only)
         blocked = True
         for tool, T in islice(tools, self._options.poses):
             blocked = False
             solutions = self._kinematics.inverse(T, rng, count=self._options.branches)
             if not len(solutions):
-                statistics.failed(name, "push", "no_ik")
+                statistics.failed(name, self._kind, "no_ik")
                 continue
             free = everything.free(solutions)
-            statistics.failed(name, "push", "start_blocked", int((~free).sum()))
-            travel = self._travel(delta, tool.stand_off)
+            statistics.failed(name, self._kind, "start_blocked", int((~free).sum()))
+            travel = self._travel(line, tool.stand_off)
             for q in solutions[free]:
-                sweep = self._sweep(q, T, direction, travel, fixed_only, name, statistics)
+                sweep = self._sweep(q, T, line.direction, travel, fixed_only, name, statistics)
                 if sweep is not None:
                     found.append(_Start(sweep, {"yaw": tool.yaw_offset, "pitch": tool.pitch}))
             if len(found) >= self._options.starts:
                 break
-        statistics.failed(name, "push", "hand_blocked", int(blocked))
+        statistics.failed(name, self._kind, "hand_blocked", int(blocked))
         return found
 
-    def _travel(self, delta: Array, stand_off: float) -> float:
+    def _travel(self, line: PushLine, stand_off: float) -> float:
         """Length of the sweep, m."""
-        return float(np.linalg.norm(delta)) + stand_off + self._options.overshoot
+        return line.length + stand_off + self._options.overshoot
 
     def _screened(
         self,
-        pose: Array,
-        direction: Array,
-        extent: float,
-        delta: Array,
+        line: PushLine,
         rng: np.random.Generator,
         everything: CollisionWorld,
         fixed_only: CollisionWorld,
     ) -> Iterator[tuple[ToolPose, Array]]:
         """Tool poses where the hand fits at the start and along the sweep; likely ones first."""
         tools = self._tool_poses(rng)
-        starts = tools.behind(pose[:2], direction, extent)
+        starts = tools.behind(line.origin, line.direction, line.extent)
         fitting = np.flatnonzero(everything.hands_free(starts))
         cost = tools.awkwardness + rng.uniform(0.0, _SHUFFLE, len(tools.poses))
         order = fitting[np.argsort(cost[fitting], kind="stable")]
         ways = {
-            off: _steps_along(direction, self._travel(delta, off)) for off in set(tools.stand_offs)
+            off: _steps_along(line.direction, self._travel(line, off))
+            for off in set(tools.stand_offs)
         }
         for first in range(0, len(order), _SCREENED_AT_ONCE):
             some = order[first : first + _SCREENED_AT_ONCE].tolist()
@@ -231,14 +242,14 @@ class Push(ActionGenerator):
     ) -> Array | None:
         T_end = T.copy()
         T_end[:2, 3] += direction * travel
-        line = self._kinematics.follow_line(q, T_end, step=_LINE_STEP)
-        if line.fraction < 1.0:
-            statistics.failed(name, "push", "line_untrackable")
+        followed = self._kinematics.follow_line(q, T_end, step=_LINE_STEP)
+        if followed.fraction < 1.0:
+            statistics.failed(name, self._kind, "line_untrackable")
             return None
-        if not world.free(line.path).all():
-            statistics.failed(name, "push", "sweep_blocked")
+        if not world.free(followed.path).all():
+            statistics.failed(name, self._kind, "sweep_blocked")
             return None
-        return line.path
+        return followed.path
 
     def _approached(
         self,
@@ -261,7 +272,7 @@ class Push(ActionGenerator):
                 plan = self._arm_planner.plan(state.joint_positions, goals, world, rng)
             statistics.counts["arm_plans"] += 1
             if plan.path is None:
-                statistics.failed(name, "push", f"approach_{plan.status}")
+                statistics.failed(name, self._kind, f"approach_{plan.status}")
                 pending = pending[_QUERY_SIZE:]
                 continue
             chosen = batch[plan.goal]
@@ -296,7 +307,7 @@ class Push(ActionGenerator):
             ),
             opening,
         )
-        return RearrangementAction("push", name, motion, goal, start.info)
+        return RearrangementAction(self._kind, name, motion, goal, start.info)
 
 
 def _steps_along(direction: Array, travel: float) -> Array:

@@ -92,7 +92,7 @@ class GraphOptions(Options):
         8, ge=0, description="goal-agnostic actions per rearrangement MAPF has no more ideas for"
     )
     costs: dict[str, float] = Field(
-        default_factory=lambda: {"push": 1.0, "pick_place": 2.0},
+        default_factory=lambda: {"push": 1.0, "pick_place": 2.0, "turn": 3.0},
         description="by kind of action: cheaper ones are evaluated first",
     )
     regions: int = Field(
@@ -118,7 +118,7 @@ class GraphOptions(Options):
         15, ge=1, description="expansions under the first NGR; n times as many under the n-th"
     )
     patience: dict[str, int] = Field(
-        default_factory=lambda: {"pick_place": 2},
+        default_factory=lambda: {"pick_place": 2, "turn": 1},
         description="by kind of action: failures for an object at one rearrangement before it is "
         "left out there (kinds that are not named: never)",
     )

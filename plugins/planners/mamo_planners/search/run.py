@@ -173,8 +173,12 @@ class SearchRun:
         request: ActionRequest,
         accept: Accept | None = None,
     ) -> tuple[RearrangementAction, Stand] | None:
-        """The first action of a kind that is valid, and where it leads."""
+        """The first action of a kind that is valid, and where it leads.
+
+        What the generator itself says about progress goes before ``accept``.
+        """
         generator = next(g for name, g in self.parts.actions if name == kind)
+        accept = generator.progress(stand.state, request) or accept
         proposals = generator.propose(stand.state, request, self.rng, self.statistics)
         for action in proposals:
             if self.budget.exhausted:
