@@ -190,11 +190,14 @@ def choose(
 def check_requirements(choices: Sequence[Choice]) -> None:
     """Refuse a recipe with a component that needs what another one does not provide."""
     for choice in choices:
-        for role, needed in (*choice.component.requires.items(), *choice.options.needs().items()):
+        for role, needed in choice.component.requires.items():
             others = [other for other in choices if role in (other.role, _KIND.get(other.role))]
             if not others:
                 raise InputError(f"{choice.place}: {_named(choice)} needs a part {role!r}")
             for other in others:
+                _check_provides(choice, other, needed)
+        for role, needed in choice.options.needs().items():
+            for other in (other for other in choices if other.role == role):
                 _check_provides(choice, other, needed)
 
 
@@ -228,11 +231,11 @@ def _engines(choices: Sequence[Choice], arm: ArmModel) -> Callable[[Problem], Tr
     known = {c.component.name: c.component for c in choices if c.role == "constraint"}
 
     def engine_for(problem: Problem) -> TransitionModel:
+        if not backends:
+            raise InputError("a part 'backend' is needed, and the recipe gives none")
         needed = [*_constraint_choices(problem, lambda name, place: known[name]), *backends]
         check_requirements(needed)
-        backend = build_parts(needed, problem, arm).backend
-        if backend is None:
-            raise InputError("a part 'backend' is needed, and the recipe gives none")
+        backend: TransitionModel = build_parts(needed, problem, arm).part("backend")
         return backend
 
     return engine_for

@@ -30,7 +30,7 @@ class Options(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=True)
 
     def needs(self) -> Mapping[str, frozenset[str]]:
-        """Role -> capabilities that these values need there, beside ``Component.requires``."""
+        """Role -> capabilities that these values need from its parts, if there are any."""
         return {}
 
 

@@ -20,7 +20,8 @@ class ContactOptions(Options):
     )
 
     def needs(self) -> Mapping[str, frozenset[str]]:
-        return {"backend": frozenset({"clearance"})} if self.clearance > 0.0 else {}
+        needed = frozenset({"clearance"} if self.clearance > 0.0 else ())
+        return {"backend": needed, "accept_in": needed}
 
 
 class TiltOptions(Options):

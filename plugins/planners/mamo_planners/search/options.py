@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Literal
 
 from pydantic import Field
@@ -135,6 +136,10 @@ class GraphOptions(Options):
     goal_margin: float = Field(0.015, ge=0.0, description="distance of MAPF goals to the NGR, m")
     mapf_nodes: int = Field(300, ge=1, description="high-level nodes per MAPF call")
     mapf_expansions: int = Field(60_000, ge=1, description="low-level expansions per MAPF call")
+
+    def needs(self) -> Mapping[str, frozenset[str]]:
+        clearance = self.uncertainty.clearance if self.uncertainty is not None else 0.0
+        return {"backend": frozenset({"clearance"} if clearance > 0.0 else ())}
 
 
 class DepthFirstOptions(GraphOptions):
