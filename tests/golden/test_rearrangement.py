@@ -457,4 +457,6 @@ def test_samples_have_stricter_limits():
         "speed": {"limit": 1.0},
         "bounds": {},
     }
-    assert stricter(problem, Uncertainty()).constraints[0].options == {"clearance": 0.002}
+    keeping = stricter(problem, Uncertainty(limit_share=0.5)).constraints[0]
+    assert keeping.options == {"clearance": 0.002}
+    assert stricter(problem, Uncertainty()) is problem

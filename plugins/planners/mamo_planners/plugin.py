@@ -81,8 +81,9 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
         return not check_meshes(scene, motion.segments, states, robot, motion.opening)
 
     backend = context.part("backend")
-    if uncertainty is not None:
-        backend = context.part("engine_for")(stricter(problem, uncertainty))
+    strict = stricter(problem, uncertainty) if uncertainty is not None else problem
+    if strict is not problem:
+        backend = context.part("engine_for")(strict)
 
     def engines(rng: np.random.Generator) -> tuple[list[Engine], int]:
         """The engines, and how many of them may fail."""

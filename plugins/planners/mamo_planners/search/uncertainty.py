@@ -56,7 +56,9 @@ def needed(threshold: float, count: int) -> int:
 
 
 def stricter(problem: Problem, uncertainty: Uncertainty) -> Problem:
-    """The problem with the limits that samples have to keep."""
+    """The problem with the limits that samples have to keep; itself if they are the same."""
+    if uncertainty.clearance == 0.0 and uncertainty.limit_share == 1.0:
+        return problem
     specs = tuple(
         replace(spec, options={**spec.options, **_stricter(spec, uncertainty)})
         for spec in problem.constraints
