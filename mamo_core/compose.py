@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -171,7 +172,7 @@ def choose(
     choices: list[Choice] = []
     for role in BUILD_ORDER:
         if role == "constraint" and role in roles:
-            choices += _constraint_choices(problem, registry)
+            choices += _constraint_choices(problem, partial(registry.component, role))
         elif role == "accept_in" and role in roles:
             choices += _other_engines(recipe, registry)
         elif role in roles:
@@ -194,6 +195,9 @@ def check_requirements(choices: Sequence[Choice]) -> None:
             if not others:
                 raise InputError(f"{choice.place}: {_named(choice)} needs a part {role!r}")
             for other in others:
+                _check_provides(choice, other, needed)
+        for role, needed in choice.options.needs().items():
+            for other in (other for other in choices if other.role == role):
                 _check_provides(choice, other, needed)
 
 
@@ -222,13 +226,16 @@ def build_parts(
 
 
 def _engines(choices: Sequence[Choice], arm: ArmModel) -> Callable[[Problem], TransitionModel]:
-    """A function that builds the backend, with its constraints, for other problems."""
-    needed = [choice for choice in choices if choice.role in ("constraint", "backend")]
+    """A function that builds the backend for other problems, whose limits may be others, too."""
+    backends = [choice for choice in choices if choice.role == "backend"]
+    known = {c.component.name: c.component for c in choices if c.role == "constraint"}
 
     def engine_for(problem: Problem) -> TransitionModel:
-        backend = build_parts(needed, problem, arm).backend
-        if backend is None:
+        if not backends:
             raise InputError("a part 'backend' is needed, and the recipe gives none")
+        needed = [*_constraint_choices(problem, lambda name, place: known[name]), *backends]
+        check_requirements(needed)
+        backend: TransitionModel = build_parts(needed, problem, arm).part("backend")
         return backend
 
     return engine_for
@@ -293,18 +300,17 @@ def _check_joints(problem: Problem, robot: ArmModel) -> None:
                 )
 
 
-def _constraint_choices(problem: Problem, registry: Registry) -> list[Choice]:
+def _constraint_choices(problem: Problem, find: Callable[[str, str], Component]) -> list[Choice]:
+    """``find``: a constraint by its name, and the place that asks for it."""
     place = f"problem {problem.name!r}: constraints"
-    return [
-        _choice(
-            registry,
-            "constraint",
-            spec.name,
-            Located(dict(spec.options), f"{place}: {spec.name}"),
-            place,
+    choices = []
+    for spec in problem.constraints:
+        component = find(spec.name, place)
+        options = Located(dict(spec.options), f"{place}: {spec.name}")
+        choices.append(
+            Choice("constraint", component, validated(component.options, options), place)
         )
-        for spec in problem.constraints
-    ]
+    return choices
 
 
 def _other_engines(recipe: LoadedRecipe, registry: Registry) -> list[Choice]:

@@ -29,6 +29,10 @@ class Options(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=True)
 
+    def needs(self) -> Mapping[str, frozenset[str]]:
+        """Role -> capabilities that these values need from its parts, if there are any."""
+        return {}
+
 
 class NoOptions(Options):
     """For components that have nothing to set."""

@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from pydantic import Field
 
 from mamo_core.hookspecs import Options
 
 
 class ContactOptions(Options):
-    """Options of ``contact``: none."""
+    """Options of ``contact``."""
+
+    clearance: float = Field(
+        0.0,
+        ge=0.0,
+        description="movable objects touch immovable ones and the target from this distance on, m; "
+        "those that begin within twice of it, from half of theirs on",
+    )
+
+    def needs(self) -> Mapping[str, frozenset[str]]:
+        needed = frozenset({"clearance"} if self.clearance > 0.0 else ())
+        return {"backend": needed, "accept_in": needed}
 
 
 class TiltOptions(Options):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def _contact(context: BuildContext, options: ContactOptions) -> Any:
     from mamo_core.constraints.standard import ContactConstraint
 
-    return ContactConstraint(context.problem)
+    return ContactConstraint(context.problem, options.clearance)
 
 
 def _tilt(context: BuildContext, options: TiltOptions) -> Any:

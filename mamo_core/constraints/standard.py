@@ -20,12 +20,14 @@ class ContactConstraint(LimitedConstraint):
     """Nothing touches an immovable object, nor the target before it is held; no arm on fixtures.
 
     While the target is held the arm may touch it, and it may still touch the fixture it stood on;
-    nothing else may.
+    nothing else may. Engines with the capability ``clearance`` report that a movable object touches
+    an immovable one or the target from ``clearance`` (m) on; others are not to be given any.
     """
 
     name = "contact"
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, clearance: float = 0.0) -> None:
+        self.clearance = clearance
         scene = problem.scene
         self._entities = scene.entities
         objects = len(scene.objects)

@@ -7,7 +7,6 @@ import pytest
 from mamo_planners.baselines.dogar import Dogar
 from mamo_planners.baselines.options import DogarOptions
 from mamo_planners.search.execution import Execution
-from mamo_planners.search.fresh import fresh_engines
 from mamo_planners.search.greedy import GreedySearch
 from mamo_planners.search.options import BestFirstOptions, DepthFirstOptions, GreedyOptions
 from mamo_planners.search.orders import DepthFirst, order_of
@@ -122,9 +121,10 @@ class Search:
         others=(),
         retrieval=None,
         kind="greedy",
+        clear=lambda motion, state: True,
         **options,
     ):
-        self.problem, self.others = problem, others
+        self.problem, self.others, self.clear = problem, others, clear
         self.uncertainty = options.get("uncertainty")
         self.model = model or QuasiStaticModel(
             problem, GantryKinematics().forward, standard_constraints(problem)
@@ -148,14 +148,13 @@ class Search:
     def _execution(self, statistics, budget, rng):
         arm = SimpleNamespace(gripper=SimpleNamespace(closed=0.0), velocity=np.ones(4))
         engines = [Engine(name, model) for name, model in [("own", self.model), *self.others]]
-        tolerated, fresh = 0, None
+        tolerated = 0
         if self.uncertainty is not None:
-            drawn = sampled(self.problem.scene, self.uncertainty, rng, self.uncertainty.samples)
+            drawn = sampled(self.problem.scene, self.uncertainty, rng)
             engines = [
                 Engine(f"sample_{n}", self.model, values, n == 0) for n, values in enumerate(drawn)
             ]
             tolerated = len(engines) - needed(self.uncertainty.threshold, len(engines))
-            fresh = fresh_engines(self.problem.scene, self.uncertainty, rng, self.model)
         self.engines = engines
         parts = (
             arm,
@@ -163,9 +162,9 @@ class Search:
             NoCollisions(),
             StraightArm(),
             lambda motion, states: True,
-            lambda motion, state: False,
+            self.clear,
         )
-        return Execution(self.problem, *parts, statistics, budget, tolerated, fresh=fresh)
+        return Execution(self.problem, *parts, statistics, budget, tolerated)
 
     def replay(self, plan):
         """The whole plan in one rollout."""

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from mamo_planners.search.options import Uncertainty
-from mamo_planners.search.uncertainty import needed, sampled
+from mamo_planners.search.uncertainty import needed, sampled, stricter
 
 from mamo_core.testing.fakes import StraightPush, StraightRetrieval
 from mamo_core.testing.scenes import clear_scene, one_blocker, two_blockers, walled_in
 from mamo_core.types.mapf import MAPFSolution, MAPFStatus
+from mamo_core.types.problem import ConstraintSpec
 from mamo_core.types.search_graph import GRAPHS
 from mamo_core.types.solution import SolutionStatus
 from mamo_core.verify import VerifyReport
@@ -393,8 +394,7 @@ def test_without_noise_robust_is_plain(search_of, uncertainty):
         for a, b in zip(one.segments, other.segments, strict=True):
             assert np.array_equal(a.trajectory.positions, b.trajectory.positions)
     extra = uncertainty.samples - 1
-    pushes, retrievals = len(plain.plan.actions), 1
-    expected = plain.statistics.counts["rollouts"] + extra * (pushes + retrievals)
+    expected = plain.statistics.counts["rollouts"] + extra * len(plain.plan.actions)
     assert robust.statistics.counts["rollouts"] == expected
 
 
@@ -424,7 +424,7 @@ def test_so_many_samples_may_fail(search_of, threshold, solved, monkeypatch):
 
 def test_the_law_of_the_samples():
     scene = two_blockers().problem.scene
-    drawn = sampled(scene, Uncertainty(), np.random.default_rng(0), 200)
+    drawn = sampled(scene, Uncertainty(simulators=100), np.random.default_rng(0))
     masses = np.array([values.masses["a"] for values in drawn]) / 0.2
     frictions = np.array([values.frictions["a"] for values in drawn]) / 0.5
     assert len(drawn) == 200
@@ -434,3 +434,44 @@ def test_the_law_of_the_samples():
     assert sorted(drawn[0].masses) == ["a", "b", "c", "target"]
     assert Uncertainty().samples == 12
     assert [needed(t, 12) for t in (0.9, 0.01, 1.0)] == [10, 1, 12]
+
+
+def test_stratified_samples_have_one_value_in_each_part():
+    scene = two_blockers().problem.scene
+    uncertainty = Uncertainty(simulators=4, copies=1, stratified=True)
+    for seed in range(20):
+        drawn = sampled(scene, uncertainty, np.random.default_rng(seed))
+        masses = sorted(values.masses["a"] for values in drawn)
+        quartiles = [0.2 * (1.0 + 0.2 * z) for z in (-0.6745, 0.0, 0.6745)]
+        assert np.searchsorted(quartiles, masses).tolist() == [0, 1, 2, 3]
+
+
+def test_objects_and_masses_are_shuffled_apart():
+    scene = two_blockers().problem.scene
+    uncertainty = Uncertainty(simulators=50, stratified=True)
+    drawn = sampled(scene, uncertainty, np.random.default_rng(0))
+    columns = [[v.masses["a"] for v in drawn], [v.masses["b"] for v in drawn]]
+    columns.append([v.frictions["a"] for v in drawn])
+    assert np.abs(np.corrcoef(columns) - np.eye(3)).max() < 0.3
+
+
+def test_samples_have_stricter_limits():
+    problem = replace(
+        two_blockers().problem,
+        constraints=(
+            ConstraintSpec("contact", {"clearance": 0.002}),
+            ConstraintSpec("tilt"),
+            ConstraintSpec("speed", {"limit": 2.0}),
+            ConstraintSpec("bounds"),
+        ),
+    )
+    specs = stricter(problem, Uncertainty(clearance=0.005, limit_share=0.5)).constraints
+    assert {spec.name: spec.options for spec in specs} == {
+        "contact": {"clearance": 0.005},
+        "tilt": {"limit_deg": 12.5},
+        "speed": {"limit": 1.0},
+        "bounds": {},
+    }
+    keeping = stricter(problem, Uncertainty(limit_share=0.5)).constraints[0]
+    assert keeping.options == {"clearance": 0.002}
+    assert stricter(problem, Uncertainty()) is problem

@@ -13,7 +13,7 @@ from mamo_core.types.solution import SolutionStatus
 HEAVY = 50.0
 
 
-def robust(search_of, threshold=1.0, fresh=0, fresh_threshold=0.84, **options):
+def robust(search_of, threshold=1.0, **options):
     """A search of four samples that know masses and frictions exactly."""
     uncertainty = Uncertainty(
         simulators=4,
@@ -21,8 +21,6 @@ def robust(search_of, threshold=1.0, fresh=0, fresh_threshold=0.84, **options):
         threshold=threshold,
         mass_spread=0.0,
         friction_spread=0.0,
-        fresh=fresh,
-        fresh_threshold=fresh_threshold,
     )
     settings = {"kind": "depth_first", "uncertainty": uncertainty, "agnostic": 0, **options}
     return search_of(one_blocker().problem, **settings)
@@ -36,10 +34,7 @@ def watched(search, monkeypatch, heavy=()):
     def seen(state, motion, *, parameters=None, **more):
         if parameters is None:  # the verifier's
             return rollout(state, motion, **more)
-        own = [engine.parameters is parameters for engine in search.engines]
-        if True not in own:  # a fresh sample's
-            return rollout(state, motion, parameters=parameters, **more)
-        number = own.index(True)
+        number = [engine.parameters is parameters for engine in search.engines].index(True)
         asked.append((number, motion))
         if number in heavy:
             parameters = replace(parameters, masses=dict.fromkeys(parameters.masses, HEAVY))
@@ -98,6 +93,7 @@ def test_a_way_back_that_is_not_free_is_simulated_to_its_end(search_of, monkeypa
 
     def execution(*arguments):
         made = make(*arguments)
+        monkeypatch.setattr(made._samples, "_transit_free", lambda *_: True)
         made._samples._collision = FreeOnlyInTheFirstEngine()
         return made
 
@@ -107,60 +103,36 @@ def test_a_way_back_that_is_not_free_is_simulated_to_its_end(search_of, monkeypa
     assert pushes == [0, 1, 1, 2, 2, 3, 3, 0]
 
 
-def with_fresh(search, monkeypatch, heavy=()):
-    """What fresh samples are asked about, by who was drawn; the ``heavy`` ones cannot push."""
-    asked = []
-    rollout = search.model.rollout
-
-    def seen(state, motion, *, parameters=None, **more):
-        own = any(engine.parameters is parameters for engine in search.engines)
-        if parameters is None or own:
-            return rollout(state, motion, parameters=parameters, **more)
-        if not any(parameters is other for other in asked):
-            asked.append(parameters)
-        number = [parameters is other for other in asked].index(True)
-        if number in heavy:
-            parameters = replace(parameters, masses=dict.fromkeys(parameters.masses, HEAVY))
-        return rollout(state, motion, parameters=parameters, **more)
-
-    monkeypatch.setattr(search.model, "rollout", seen)
-    return asked
+@pytest.mark.parametrize(("near", "solved"), [(1, True), (2, False)])
+def test_a_retrieval_is_clear_in_enough_samples_and_executed_in_none(
+    search_of, monkeypatch, near, solved
+):
+    answers = [False] * near + [True] * (3 - near)
+    search = robust(
+        search_of, threshold=0.75, expansions=1, regions=1, clear=lambda *_: answers.pop()
+    )
+    asked = watched(search, monkeypatch)
+    assert (search.solve().status is SolutionStatus.SOLVED) == solved
+    retrievals = [n for n, m in asked if m.segments[-1].kind is SegmentKind.CARRY]
+    assert set(retrievals) <= {0}
 
 
-def test_a_plan_that_fresh_samples_execute_is_returned_as_it_was_found(search_of, monkeypatch):
-    alone, search = robust(search_of), robust(search_of, fresh=3)
-    asked = with_fresh(search, monkeypatch)
-    without, found = alone.solve().plan, search.solve().plan
-    assert len(asked) == 3
-    assert [a.path.tolist() for a in found.actions] == [a.path.tolist() for a in without.actions]
+class NothingIsFree(FreeOnlyInTheFirstEngine):
+    def free(self, configurations):
+        return np.zeros(len(configurations), dtype=bool)
 
 
-@pytest.mark.parametrize("heavy", [(0,), (2,)])
-def test_after_one_that_fails_as_many_others_must_hold(search_of, monkeypatch, heavy):
-    search = robust(search_of, fresh=3, expansions=1, regions=1)
-    asked = with_fresh(search, monkeypatch, heavy)
-    assert search.solve().status is SolutionStatus.SOLVED
-    assert len(asked) == 6
+def test_transits_keep_the_planners_distance_in_samples(search_of, monkeypatch):
+    search = robust(search_of, expansions=1, regions=1)
+    make = search.search._parts.execution
 
+    def execution(*arguments):
+        made = make(*arguments)
+        monkeypatch.setattr(made._samples, "_free_after", lambda *_: True)
+        made._samples._collision = NothingIsFree()
+        return made
 
-def test_a_larger_share_of_them_may_fail(search_of, monkeypatch):
-    search = robust(search_of, fresh=3, fresh_threshold=0.5, expansions=1, regions=1)
-    asked = with_fresh(search, monkeypatch, heavy=(0, 2, 5))
-    assert search.solve().status is SolutionStatus.SOLVED
-    assert len(asked) == 6
-
-
-@pytest.mark.parametrize("heavy", [(0, 1), (0, 3), (2, 5)])
-def test_two_that_fail_refuse_the_plan(search_of, monkeypatch, heavy):
-    search = robust(search_of, fresh=3, expansions=1, regions=1)
-    with_fresh(search, monkeypatch, heavy)
+    search.search._parts = replace(search.search._parts, execution=execution)
     solution = search.solve()
     assert solution.status is not SolutionStatus.SOLVED
-    assert any("not_valid_in_fresh_samples" in cause for cause in solution.statistics.causes)
-
-
-def test_every_plan_meets_samples_of_its_own(search_of, monkeypatch):
-    search = robust(search_of, fresh=3, expansions=3, forbidden_radius=0.03)
-    asked = with_fresh(search, monkeypatch, heavy=(0, 1))
-    assert search.solve().status is SolutionStatus.SOLVED
-    assert len(asked) > 3
+    assert solution.statistics.causes["a/push/not_valid_in_samples"] >= 1

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from mamo_core.constraints.standard import ContactConstraint
 from mamo_core.testing.conformance.bench import Bench, require
 from mamo_core.testing.conformance.scenery import ALL, box, line, motion, on_a_board, placed, tool
 from mamo_core.testing.gantry_arm import FOOT
@@ -45,6 +46,30 @@ def object_touches_immovable(bench: Bench) -> str:
 
 def object_touches_target(bench: Bench) -> str:
     return _contact_by_a_block(bench, "target", Mobility.TARGET)
+
+
+def clearance(bench: Bench) -> str:
+    """The foot pushes a block to 1 cm in front of a post, which counts as touched 2 cm before; one
+    that stands 2 cm beside the block from the start is not touched, and nothing else changes."""
+    clear, away = 0.02, 0.06
+    post, beside = (replace(_block(n), mobility=Mobility.IMMOVABLE) for n in ("post", "beside"))
+    problem = on_a_board(
+        placed(_block("b"), 0.0, 0.0),
+        placed(post, SIDE + away, 0.0),
+        placed(beside, 0.0, SIDE + clear),
+        start=_START,
+    )
+    constraints = (ContactConstraint(problem, clear), *standard_constraints(problem)[1:])
+    model = bench.make(problem, bench.arm, constraints)
+    drive = _drive(_gap(0.0) + away - clear / 2.0)
+    near = model.rollout(problem.initial, drive, options=ALL)
+    found = _of_kind(near, "contact", "b")
+    require(found.other == "post", f"{found}, expected b - post")
+    plain = _run(bench, problem, drive)
+    require(not plain.violations, f"{[str(v) for v in plain.violations]} without a clearance")
+    same = np.array_equal(near.final_state.object_poses, plain.final_state.object_poses)
+    require(same, "what is only near was pushed")
+    return _onset(found, _time_at(_gap(0.0) + away - clear))
 
 
 def tilt(bench: Bench) -> str:
@@ -115,8 +140,8 @@ def _time_at(distance: float) -> float:
     return RAMP / 2.0 + distance / SPEED
 
 
-def _drive() -> Motion:
-    return motion(line(_START, _START + tool(0.25, 0.0, 0.0), SPEED, ramp=RAMP))
+def _drive(way: float = 0.25) -> Motion:
+    return motion(line(_START, _START + tool(way, 0.0, 0.0), SPEED, ramp=RAMP))
 
 
 def _contact_by_the_foot(bench: Bench, problem: Problem, name: str) -> str:

@@ -191,6 +191,13 @@ CHECKS: tuple[Check, ...] = (
         _D,
         grade=_ONSET,
     ),
+    Check(
+        "clearance",
+        "what comes near counts as touching, and nothing else changes",
+        constraints.clearance,
+        "clearance",
+        grade=_ONSET,
+    ),
     Check("tilt", "tilt is seen at its limit", constraints.tilt, _D, grade="within 6 deg"),
     Check("speed", "speed is seen at its limit", constraints.speed, _D, grade=_ONSET),
     Check("bounds", "a falling object is seen", constraints.bounds, _D, grade="within 0.8 s"),

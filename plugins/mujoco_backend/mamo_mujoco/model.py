@@ -9,6 +9,7 @@ from typing import Any
 
 import mujoco
 
+from mamo_core.constraints.standard import ContactConstraint
 from mamo_core.interfaces.constraint import InteractionConstraint
 from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.robots.model import ArmModel
@@ -32,7 +33,8 @@ class MuJoCoModel(SimulatedModel):
         constraints: tuple[InteractionConstraint, ...],
         options: MuJoCoOptions,
     ) -> None:
-        self._worlds = MuJoCoWorlds(problem, arm, options)
+        clearances = [c.clearance for c in constraints if isinstance(c, ContactConstraint)]
+        self._worlds = MuJoCoWorlds(problem, arm, options, max(clearances, default=0.0))
         self._threads = options.batch_threads
         super().__init__(problem, arm, constraints, self._worlds)
 
@@ -71,10 +73,12 @@ class MuJoCoModel(SimulatedModel):
 class MuJoCoWorlds:
     """Makes worlds of one problem; it is compiled once."""
 
-    def __init__(self, problem: Problem, arm: ArmModel, options: MuJoCoOptions) -> None:
+    def __init__(
+        self, problem: Problem, arm: ArmModel, options: MuJoCoOptions, clearance: float
+    ) -> None:
         self._problem = problem
         self._lead = options.damping / options.stiffness
-        self._model = build_model(problem, arm, options)
+        self._model = build_model(problem, arm, options, clearance)
         self._index = index_of(self._model, problem, arm)
 
     def __call__(self, parameters: ParameterOverrides | None) -> MuJoCoWorld:

@@ -32,6 +32,7 @@ def mamo_backends() -> Iterable[Component]:
             provides=frozenset(
                 {
                     "batch",
+                    "clearance",
                     "dynamics",
                     "exact_continuation",
                     "friction_product",

@@ -19,6 +19,7 @@ from mamo_core.robots.model import ArmModel, LinkModel
 from mamo_core.types.geometry import Array, Box, IntArray, Shape, matrix_from_pose, pose_from_matrix
 from mamo_core.types.problem import Problem
 from mamo_core.types.scene import Mobility
+from mamo_mujoco.clearance import add_immovable_pairs, keep_clear
 from mamo_mujoco.options import MuJoCoOptions
 
 _ROBOT, _OBJECT, _FIXTURE = 1, 2, 4
@@ -55,8 +56,10 @@ class WorldIndex:
     tool_body: int
 
 
-def build_model(problem: Problem, arm: ArmModel, options: MuJoCoOptions) -> Any:
-    """Compile the ``MjModel`` of a problem."""
+def build_model(
+    problem: Problem, arm: ArmModel, options: MuJoCoOptions, clearance: float = 0.0
+) -> Any:
+    """Compile the ``MjModel`` of a problem; ``clearance`` (m): as in ``ContactConstraint``."""
     spec = mujoco.MjSpec()
     spec.option.timestep = options.time_step
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
@@ -76,7 +79,12 @@ def build_model(problem: Problem, arm: ArmModel, options: MuJoCoOptions) -> Any:
             body.add_freejoint(name=item.name)
     _add_friction_pairs(spec, problem, options)
     _add_weld(spec, problem, arm, options)
-    return spec.compile()
+    if clearance == 0.0:
+        return spec.compile()
+    add_immovable_pairs(spec, problem, _solref(options))
+    model = spec.compile()
+    keep_clear(model, problem, clearance)
+    return model
 
 
 def index_of(model: Any, problem: Problem, arm: ArmModel) -> WorldIndex:

@@ -77,10 +77,9 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
     from mamo_core.robots.contact_free import check_meshes
     from mamo_planners.search.clearance import keeps_clear
     from mamo_planners.search.execution import Execution
-    from mamo_planners.search.fresh import fresh_engines
     from mamo_planners.search.run import SearchParts
     from mamo_planners.search.stand import Engine
-    from mamo_planners.search.uncertainty import needed, sampled
+    from mamo_planners.search.uncertainty import needed, sampled, stricter
 
     problem, robot = context.problem, context.robot
     scene, collision = problem.scene, context.part("collision")
@@ -89,21 +88,22 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
     def contact_free(motion: Motion, states: Sequence[SceneState]) -> bool:
         return not check_meshes(scene, motion.segments, states, robot, motion.opening)
 
+    backend = context.part("backend")
+    strict = stricter(problem, uncertainty) if uncertainty is not None else problem
+    if strict is not problem:
+        backend = context.part("engine_for")(strict)
+
     def engines(rng: np.random.Generator) -> tuple[list[Engine], int]:
         """The engines, and how many of them may fail."""
-        backend = context.part("backend")
         others = [Engine(name, model) for name, model in context.accept_in]
         if uncertainty is None:
             return [Engine("backend", backend), *others], 0
-        samples = sampled(scene, uncertainty, rng, uncertainty.samples)
+        samples = sampled(scene, uncertainty, rng)
         drawn = [Engine(f"sample_{n}", backend, v, n == 0) for n, v in enumerate(samples)]
         return [*drawn, *others], len(drawn) - needed(uncertainty.threshold, len(drawn))
 
     def execution(statistics: Statistics, budget: Budget, rng: np.random.Generator) -> Execution:
         used, tolerated = engines(rng)
-        fresh = None
-        if uncertainty is not None:
-            fresh = fresh_engines(scene, uncertainty, rng, context.part("backend"))
         return Execution(
             problem,
             robot,
@@ -116,7 +116,6 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
             budget,
             tolerated,
             uncertainty.safety_margin if uncertainty is not None else 0.0,
-            fresh,
         )
 
     return SearchParts(

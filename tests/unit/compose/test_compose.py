@@ -242,6 +242,50 @@ def test_missing_capability_names_both_parts():
     assert world.built == []
 
 
+class DemandingOptions(SearchOptions):
+    """Deep ones need more."""
+
+    def needs(self):
+        return {"backend": frozenset({"memory"} if self.depth > 1 else ())}
+
+
+def test_values_of_options_may_need_capabilities():
+    world = World()
+    world.components["search", "toy"] = Component("toy", world.search, DemandingOptions)
+    world.compose("search.depth=1")
+    del world.built[:]
+    assert world.complaint() == (
+        "r.yaml:10:16: search 'toy' needs memory from the backend, but backend 'toy' "
+        "provides nothing"
+    )
+    assert world.built == []
+
+
+def test_values_ask_nothing_of_parts_in_other_roles():
+    """Engines of accept_in are none of the search's."""
+    world = World()
+    world.components["search", "toy"] = Component("toy", world.search, DemandingOptions)
+    world.components["backend", "toy"] = world.part("backend", provides=frozenset({"memory"}))
+    world.components["backend", "other"] = world.part("backend", "other")
+    world.compose("accept_in=[other]")
+
+
+def test_engines_for_other_problems_have_the_limits_of_these():
+    world, asked = World(), []
+
+    def build(context, options):
+        asked.append(options.depth)
+        return "constraint toy"
+
+    world.components["constraint", "toy"] = Component("toy", build, DemandingOptions)
+    planner = world.compose()
+    planner.context.engine_for(make_problem((ConstraintSpec("toy", {"depth": 1}),)))
+    assert asked == [1, 1]
+    strict = make_problem((ConstraintSpec("toy", {"depth": 5}),))
+    with pytest.raises(InputError, match="constraint 'toy' needs memory from the backend"):
+        planner.context.engine_for(strict)
+
+
 def test_every_part_of_a_role_must_have_the_capability():
     world = World()
     world.components["search", "toy"] = world.part(

@@ -357,6 +357,7 @@ BROKEN_ENGINES = {
     "robot_touches_fixture": with_models(blind_to(constraint="contact", other="rail")),
     "object_touches_immovable": with_models(TurnsPairsRound),
     "object_touches_target": with_models(blind_to(constraint="contact", subject="b")),
+    "clearance": with_models(blind_to(constraint="contact", other="post")),
     "tilt": with_models(HalfTheTilt),
     "speed": with_models(Late),
     "bounds": with_models(blind_to(constraint="bounds")),

@@ -17,9 +17,8 @@ from mamo_core.types.motion import Motion, MotionSegment, SegmentKind
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import RolloutResult
 from mamo_core.types.scene import SceneState
-from mamo_core.types.solution import Budget, Plan, Statistics
+from mamo_core.types.solution import Budget, Statistics
 from mamo_planners.search.followers import Clear, ContactFree, Samples, Witnesses, split
-from mamo_planners.search.fresh import FreshEngines, FreshSamples
 from mamo_planners.search.judging import Accept, Judge
 from mamo_planners.search.rollouts import KEEP, Rollouts
 from mamo_planners.search.safety import SafetyMargin
@@ -54,7 +53,6 @@ class Execution:
         budget: Budget,
         tolerated: int = 0,
         safety_margin: float = 0.0,
-        fresh: FreshEngines | None = None,
     ) -> None:
         """``engines``: the first one's state is what the search plans from."""
         self._problem, self._arm = problem, arm
@@ -69,9 +67,6 @@ class Execution:
         asks = self._rollouts, self._judge, statistics
         self._samples = Samples(collision, contact_free, clear, *asks, needed)
         self._witnesses = Witnesses(contact_free, *asks)
-        # They say whether a plan holds: a margin is for those that it is fitted to.
-        plain = self._rollouts, Judge(collision, SafetyMargin(problem, 0.0), statistics), statistics
-        self._fresh = FreshSamples(fresh, collision, contact_free, clear, *plain) if fresh else None
 
     def after(
         self, stand: Stand, action: RearrangementAction, accept: Accept | None
@@ -186,15 +181,8 @@ class Execution:
         samples, continuous = split(stand.others)
         if not (
             self._judge.retrieved(result)
-            and self._samples.holding(samples, motion) is not None
+            and self._samples.hold(samples, motion)
             and self._witnesses.hold(continuous, motion)
         ):
             return None
         return (*stand.leading.executed, result)
-
-    def holds_in_fresh_samples(self, stand: Stand, plan: Plan) -> bool:
-        """Whether samples that the search knows nothing of execute ``plan``, which led here."""
-        if self._fresh is None:
-            return True
-        expected = [result.final_state for result in stand.leading.executed]
-        return self._fresh.hold(self._problem.initial, plan, expected)

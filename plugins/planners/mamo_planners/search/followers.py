@@ -11,7 +11,7 @@ import numpy as np
 from mamo_core.interfaces.collision_checker import CollisionChecker
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import Array
-from mamo_core.types.motion import Motion, SegmentKind, Trajectory
+from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.rollout import RolloutResult
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Statistics
@@ -24,6 +24,7 @@ ContactFree = Callable[[Motion, Sequence[SceneState]], bool]
 Clear = Callable[[Motion, SceneState], bool]
 """Whether a retrieval surely touches nothing but the target, from a state at rest."""
 
+_REFUSAL = "not_valid_in_samples"
 _FARTHER = 0.06
 """The arm goes on so long (s) after it is clear in the first engine: samples differ a little."""
 
@@ -44,12 +45,10 @@ class Samples:
         judge: Judge,
         statistics: Statistics,
         needed: int,
-        refusal: str = "not_valid_in_samples",
     ) -> None:
-        """``refusal``: what is counted as the cause if fewer agree."""
         self._collision, self._contact_free, self._clear = collision, contact_free, clear
         self._rollouts, self._judge, self._stats = rollouts, judge, statistics
-        self._needed, self._refusal = needed, refusal
+        self._needed = needed
         self._refusals: Counter[str] = Counter()
 
     def follow(
@@ -73,21 +72,16 @@ class Samples:
 
         return self._asked(lines, short, followed, (action.object_name, action.kind))
 
-    def holding(self, lines: Sequence[Line], retrieval: Motion) -> tuple[Line, ...] | None:
-        """The lines in which the retrieval is valid; None if they are too few.
+    def hold(self, lines: Sequence[Line], retrieval: Motion) -> bool:
+        """Whether nothing but the target is near the way of a retrieval, in enough of the lines.
 
-        Where nothing is near its way it need not be executed: from rest, masses and frictions only
-        matter to what is touched.
+        It need not be executed there: from rest, masses and frictions only matter to what is
+        touched, and where something is, it may be touched with others.
         """
-        clear = tuple(line for line in lines if self._clear(retrieval, line.state))
-
-        def holds(line: Line, result: RolloutResult) -> Line | None:
-            good = self._judge.retrieved(result)
-            return line if good and self._free(line, result, retrieval) else None
-
-        doubtful = [line for line in lines if line not in clear]
-        found = self._asked(doubtful, retrieval, holds, ("arm", "retrieval"), sure=len(clear))
-        return None if found is None else (*clear, *found)
+        clear = sum(self._clear(retrieval, line.state) for line in lines)
+        if clear < self._needed:
+            self._stats.failed("arm", "retrieval", _REFUSAL)
+        return clear >= self._needed
 
     def _asked(
         self,
@@ -95,11 +89,10 @@ class Samples:
         motion: Motion,
         after: Callable[[Line, RolloutResult], Line | None],
         who: tuple[str, str],
-        sure: int = 0,
     ) -> tuple[Line, ...] | None:
         """What ``after`` says of each line, where it says anything; None if it is too little."""
         pending = sorted(lines, key=lambda line: -self._refusals[line.engine.name])
-        spare = sure + len(lines) - self._needed
+        spare = len(lines) - self._needed
         found: dict[str, Line] = {}
         while pending and spare >= 0:
             some, pending = pending[: spare + 1], pending[spare + 1 :]
@@ -112,7 +105,7 @@ class Samples:
                 self._refusals[line.engine.name] += 1
                 spare -= 1
         if spare < 0:
-            self._stats.failed(*who, self._refusal)
+            self._stats.failed(*who, _REFUSAL)
             return None
         return tuple(found[n] for n in (line.engine.name for line in lines) if n in found)
 
@@ -138,10 +131,19 @@ class Samples:
         return bool(world.free(rest).all())
 
     def _free(self, line: Line, result: RolloutResult, motion: Motion) -> bool:
-        """Whether a way that was planned for the first engine's poses is free for these, too."""
+        """Whether a way that was planned for the first engine's poses is free for these, too.
+
+        A transit is planned with the checker's distance to everything, and keeps it here.
+        """
         states = result.segment_states
         before = len(motion.segments) - len(states)
-        return self._contact_free(motion, (*([line.state] * before), *states))
+        return all(
+            self._transit_free(segment, line.state) for segment in motion.segments[:before]
+        ) and self._contact_free(motion, (*([line.state] * before), *states))
+
+    def _transit_free(self, transit: MotionSegment, state: SceneState) -> bool:
+        world = self._collision.world(state.object_poses, opening=transit.opening)
+        return bool(world.free(transit.trajectory.positions).all())
 
 
 class Witnesses:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Literal
 
 from pydantic import Field
@@ -48,20 +49,28 @@ class Uncertainty(Options):
     friction_spread: float = Field(
         0.5, ge=0.0, description="standard deviation of a friction coefficient, as a share"
     )
+    stratified: bool = Field(
+        False,
+        description="every mass and friction has one sample in each of as many equally likely "
+        "parts of its range as there are samples; thesis: all are drawn alone",
+    )
+    limit_share: float = Field(
+        1.0,
+        gt=0.0,
+        le=1.0,
+        description="share of the largest tilt and speed that samples may reach; thesis: 1",
+    )
+    clearance: float = Field(
+        0.0,
+        ge=0.0,
+        description="distance that movable objects keep at all times in samples from what must "
+        "not be touched, m; thesis: 0",
+    )
     safety_margin: float = Field(
         0.0,
         ge=0.0,
         description="distance that moved objects keep from what must not be touched, in every "
         "simulation that is to hold, m; thesis: 0",
-    )
-    fresh: int = Field(
-        0,
-        ge=0,
-        description="samples drawn anew for every plan that was found: it is returned if all "
-        "execute it; if not, as many others are asked; thesis: 0",
-    )
-    fresh_threshold: float = Field(
-        0.9, gt=0.0, le=1.0, description="share of these twice as many samples that must hold"
     )
 
     @property
@@ -127,6 +136,10 @@ class GraphOptions(Options):
     goal_margin: float = Field(0.015, ge=0.0, description="distance of MAPF goals to the NGR, m")
     mapf_nodes: int = Field(300, ge=1, description="high-level nodes per MAPF call")
     mapf_expansions: int = Field(60_000, ge=1, description="low-level expansions per MAPF call")
+
+    def needs(self) -> Mapping[str, frozenset[str]]:
+        clearance = self.uncertainty.clearance if self.uncertainty is not None else 0.0
+        return {"backend": frozenset({"clearance"} if clearance > 0.0 else ())}
 
 
 class DepthFirstOptions(GraphOptions):

@@ -131,8 +131,7 @@ class SearchRun:
                 return None
             plan = self.confirmed(stand, done, found.motion, region)
             if plan is not None:
-                # Another grasp would not change the actions, which are what samples disagree about.
-                return plan if self.execution.holds_in_fresh_samples(stand, plan) else None
+                return plan
             avoid.add(found.grasp)
         return None
 

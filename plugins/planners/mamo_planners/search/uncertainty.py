@@ -3,29 +3,51 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import replace
+from statistics import NormalDist
+from typing import Any
 
 import numpy as np
 
+from mamo_core.constraints.options import ContactOptions, SpeedOptions, TiltOptions
+from mamo_core.types.geometry import Array
+from mamo_core.types.problem import ConstraintSpec, Problem
 from mamo_core.types.rollout import ParameterOverrides
 from mamo_core.types.scene import Mobility, Scene
 from mamo_planners.search.options import Uncertainty
 
+_LEAST = 1e-12
+"""Shares this close to 0 or 1 are as good: what is drawn is clipped long before."""
+
 
 def sampled(
-    scene: Scene, uncertainty: Uncertainty, rng: np.random.Generator, count: int
+    scene: Scene, uncertainty: Uncertainty, rng: np.random.Generator
 ) -> list[ParameterOverrides]:
-    """Values for all objects that can move, ``count`` times.
+    """Values for all objects that can move, as often as there are samples.
 
     Normal around the problem's own, between half and twice of it.
     """
     loose = [o for o in scene.objects if o.mobility is not Mobility.IMMOVABLE]
+    own = np.array([[o.mass for o in loose], [o.friction for o in loose]])
+    spreads = np.array([[uncertainty.mass_spread], [uncertainty.friction_spread]])
+    shape = (uncertainty.samples, *own.shape)
+    drawn = _stratified(shape, rng) if uncertainty.stratified else rng.standard_normal(shape)
+    values = np.clip(own + spreads * own * drawn, 0.5 * own, 2.0 * own)
+    names = [o.name for o in loose]
     return [
-        ParameterOverrides(
-            {o.name: _drawn(o.mass, uncertainty.mass_spread, rng) for o in loose},
-            {o.name: _drawn(o.friction, uncertainty.friction_spread, rng) for o in loose},
-        )
-        for _ in range(count)
+        ParameterOverrides(*(dict(zip(names, row.tolist(), strict=True)) for row in sample))
+        for sample in values
     ]
+
+
+def _stratified(shape: tuple[int, ...], rng: np.random.Generator) -> Array:
+    """Standard normal values: along the first axis one of each equally likely part."""
+    count = shape[0]
+    parts = rng.permuted(np.broadcast_to(np.arange(count)[:, None, None], shape), axis=0)
+    shares = np.clip((parts + rng.random(shape)) / count, _LEAST, 1.0 - _LEAST)
+    values: Array = np.vectorize(NormalDist().inv_cdf, otypes=[np.float64])(shares)
+    return values
 
 
 def needed(threshold: float, count: int) -> int:
@@ -33,5 +55,28 @@ def needed(threshold: float, count: int) -> int:
     return max(1, math.floor(threshold * count + 1e-9))
 
 
-def _drawn(value: float, spread: float, rng: np.random.Generator) -> float:
-    return float(np.clip(rng.normal(value, spread * value), 0.5 * value, 2.0 * value))
+def stricter(problem: Problem, uncertainty: Uncertainty) -> Problem:
+    """The problem with the limits that samples have to keep; itself if they are the same."""
+    if uncertainty.clearance == 0.0 and uncertainty.limit_share == 1.0:
+        return problem
+    specs = tuple(
+        replace(spec, options={**spec.options, **_stricter(spec, uncertainty)})
+        for spec in problem.constraints
+    )
+    return replace(problem, constraints=specs)
+
+
+def _stricter(spec: ConstraintSpec, uncertainty: Uncertainty) -> Mapping[str, Any]:
+    """The options of a constraint that are others for samples."""
+    match spec.name:
+        case "contact":
+            own = ContactOptions(**spec.options).clearance
+            return {"clearance": max(own, uncertainty.clearance)}
+        case "tilt":
+            own = TiltOptions(**spec.options).limit_deg
+            return {"limit_deg": uncertainty.limit_share * own}
+        case "speed":
+            own = SpeedOptions(**spec.options).limit
+            return {"limit": uncertainty.limit_share * own}
+        case _:
+            return {}
