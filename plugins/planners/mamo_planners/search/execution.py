@@ -65,7 +65,7 @@ class Execution:
         self._judge = Judge(collision, SafetyMargin(problem, safety_margin), statistics)
         needed = sum(not line.engine.continuous for line in others) - tolerated
         asks = self._rollouts, self._judge, statistics
-        self._samples = Samples(problem.scene, collision, contact_free, clear, *asks, needed)
+        self._samples = Samples(collision, contact_free, clear, *asks, needed)
         self._witnesses = Witnesses(contact_free, *asks)
 
     def after(
@@ -82,7 +82,7 @@ class Execution:
             return None
         self._stats.counts["valid_rollouts"] += 1
         samples, _ = split(stand.others)
-        followed = self._samples.follow(samples, action, accept, trial)
+        followed = self._samples.follow(samples, action, accept, trial.final_state)
         if followed is None:
             return None
         leading = self._whole(stand, action, accept)
@@ -96,7 +96,7 @@ class Execution:
         if leading is None:
             return None
         samples, _ = split(stand.others)
-        followed = self._samples.follow(samples, action, accept, leading.executed[-1])
+        followed = self._samples.follow(samples, action, accept, leading.state)
         return (
             self._agreed(stand, action, accept, leading, followed) if followed is not None else None
         )

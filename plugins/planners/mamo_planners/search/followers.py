@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,9 +13,8 @@ from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.rollout import RolloutResult
-from mamo_core.types.scene import Scene, SceneState
+from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Statistics
-from mamo_planners.search.carrying import carried
 from mamo_planners.search.judging import Accept, Judge
 from mamo_planners.search.rollouts import KEEP, Rollouts
 from mamo_planners.search.stand import Line
@@ -34,13 +33,11 @@ class Samples:
     """Lines that execute each action from its sweep on, from rest: sampled masses and frictions.
 
     ``needed`` of them, over the whole plan, must agree. Those that refused most often so far are
-    asked first, as many at a time as it takes at least to refuse; where it is known what an action
-    does, none is.
+    asked first, as many at a time as it takes at least to refuse.
     """
 
     def __init__(
         self,
-        scene: Scene,
         collision: CollisionChecker,
         contact_free: ContactFree,
         clear: Clear,
@@ -49,8 +46,7 @@ class Samples:
         statistics: Statistics,
         needed: int,
     ) -> None:
-        self._scene, self._collision = scene, collision
-        self._contact_free, self._clear = contact_free, clear
+        self._collision, self._contact_free, self._clear = collision, contact_free, clear
         self._rollouts, self._judge, self._stats = rollouts, judge, statistics
         self._needed = needed
         self._refusals: Counter[str] = Counter()
@@ -60,29 +56,21 @@ class Samples:
         lines: Sequence[Line],
         action: RearrangementAction,
         accept: Accept | None,
-        leader: RolloutResult,
+        expected: SceneState,
     ) -> tuple[Line, ...] | None:
-        """The lines after the action; None if too few hold. ``leader``: what the first one did."""
+        """The lines after the action; None if too few hold. ``expected``: about where it leads."""
         if not lines:
             return ()
         motion = action.motion
-        short, rest = self._shortened(motion.after_transit(), leader.final_state)
+        short, rest = self._shortened(motion.after_transit(), expected)
 
         def followed(line: Line, result: RolloutResult) -> Line | None:
+            if rest is not None and result.valid and not self._free_after(result, motion, rest):
+                result = self._rollouts.one(line, motion, None)
             good = self._judge.good(result, action, accept)
             return line.after(result, motion) if good and self._free(line, result, motion) else None
 
-        def simulated(line: Line, result: RolloutResult) -> Line | None:
-            if rest is not None and result.valid and not self._free_after(result, motion, rest):
-                result = self._rollouts.one(line, motion, None)
-            return followed(line, result)
-
-        known = {
-            line.engine.name: followed(line, result)
-            for line in lines
-            if (result := carried(self._scene, action, leader, line.state)) is not None
-        }
-        return self._asked(lines, short, simulated, (action.object_name, action.kind), known)
+        return self._asked(lines, short, followed, (action.object_name, action.kind))
 
     def hold(self, lines: Sequence[Line], retrieval: Motion) -> bool:
         """Whether nothing but the target is near the way of a retrieval, in enough of the lines.
@@ -101,16 +89,11 @@ class Samples:
         motion: Motion,
         after: Callable[[Line, RolloutResult], Line | None],
         who: tuple[str, str],
-        known: Mapping[str, Line | None],
     ) -> tuple[Line, ...] | None:
-        """What ``after`` says of each line, where it says anything; None if it is too little.
-
-        ``known``: what need not be asked, by engine.
-        """
-        asked = [line for line in lines if line.engine.name not in known]
-        pending = sorted(asked, key=lambda line: -self._refusals[line.engine.name])
-        found = {name: line for name, line in known.items() if line is not None}
-        spare = len(asked) + len(found) - self._needed
+        """What ``after`` says of each line, where it says anything; None if it is too little."""
+        pending = sorted(lines, key=lambda line: -self._refusals[line.engine.name])
+        spare = len(lines) - self._needed
+        found: dict[str, Line] = {}
         while pending and spare >= 0:
             some, pending = pending[: spare + 1], pending[spare + 1 :]
             results = self._rollouts.side_by_side(some, motion)
