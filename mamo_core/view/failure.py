@@ -13,7 +13,7 @@ from mamo_core.view.topdown import object_patch, scene_from_above
 
 SUBJECT = "#b3007d"
 INVOLVED = "#d9480f"
-_SHOWN = 16
+_SHOWN = 12
 """Failures listed at most."""
 
 _COLUMNS = ((0.0, "object", 13), (0.19, "action", 10), (0.34, "times", 7), (0.43, "cause", 48))
@@ -73,7 +73,7 @@ def _list(axes: Any, rows: Sequence[tuple[str, str, int, str]]) -> None:
             shown = "\n".join(wrap(cell, letters, max_lines=2, placeholder=" …"))
             weight = "bold" if number == 0 else "normal"
             height = 1.0 - number / (_SHOWN + 2)
-            axes.text(place, height, shown, fontsize=8, va="top", weight=weight)
+            axes.text(place, height, shown, fontsize=8, va="top", weight=weight, linespacing=1.0)
     if len(rows) > _SHOWN:
         axes.text(0.0, 0.0, f"and {len(rows) - _SHOWN} more", fontsize=8, va="bottom")
 
