@@ -20,8 +20,8 @@ class Primitive:
     """A Phase 1 valid motion along ``path`` (k, dof) to a goal.
 
     Along ``approach`` (a, dof), its first part, the arm touches nothing; on ``sweep`` (s, dof), the
-    rest, it may meet movables, so that only an engine can tell what happens. One of the two may be
-    missing (no rows).
+    rest, it may meet movables, so that only an engine can tell what happens; no rows if it meets
+    none.
     """
 
     path: Array
@@ -42,11 +42,12 @@ class Primitive:
 
 def primitive_along(path: Array, goal: Goal, everything: CollisionWorld) -> Primitive:
     """The primitive along ``path``, parted where it may first touch something."""
-    if everything.edges_free(path[:-1], path[1:]).all():
+    free = everything.edges_free(path[:-1], path[1:])
+    if free.all():
         return Primitive(path, goal, path, path[:0])
-    edge = int(np.argmin(everything.edges_free(path[:-1], path[1:])))
+    edge = int(np.argmin(free))
     fine = interpolated(path[edge : edge + 2], _STEP)
-    free = everything.edges_free(fine[:-1], fine[1:])
-    parting = fine[int(np.argmin(free)) if not free.all() else 0]
+    # Where the pieces are all free, though the whole is not, the first row is the safe one.
+    parting = fine[int(np.argmin(everything.edges_free(fine[:-1], fine[1:])))]
     approach = np.vstack([path[: edge + 1], parting])
     return Primitive(path, goal, approach, np.vstack([parting, path[edge + 1 :]]))
