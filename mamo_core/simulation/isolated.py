@@ -99,6 +99,7 @@ class _LostError(Exception):
 class _Job:
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
+    pool: ProcessPool
     future: Future[Any]
     repeated: bool = False
 
@@ -115,7 +116,12 @@ class _Worker:
         self._pool = self._new_pool()
 
     def begin(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> _Job:
-        return _Job(function, arguments, self._schedule(function, arguments))
+        try:
+            future = self._pool.schedule(function, args=arguments, timeout=self._patience)
+        except RuntimeError:  # the pool is broken
+            self._renew()
+            future = self._pool.schedule(function, args=arguments, timeout=self._patience)
+        return _Job(function, arguments, self._pool, future)
 
     def end(self, job: _Job) -> Any:
         """The answer.
@@ -134,20 +140,18 @@ class _Worker:
             # It died between two jobs, of neither.
             if job.repeated:
                 raise _LostError("the engine's process died twice") from error
-            future = self._schedule(job.function, job.arguments)
-            return self.end(replace(job, future=future, repeated=True))
+            # Its pool may not say so yet, and would break the job again.
+            if job.pool is self._pool:
+                self._renew()
+            return self.end(replace(self.begin(job.function, job.arguments), repeated=True))
 
     def close(self) -> None:
         self._pool.stop()
         self._pool.join()
 
-    def _schedule(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Future[Any]:
-        try:
-            return self._pool.schedule(function, args=arguments, timeout=self._patience)
-        except RuntimeError:  # the pool is broken
-            self.close()
-            self._pool = self._new_pool()
-            return self._pool.schedule(function, args=arguments, timeout=self._patience)
+    def _renew(self) -> None:
+        self.close()
+        self._pool = self._new_pool()
 
     def _new_pool(self) -> ProcessPool:
         return ProcessPool(
