@@ -125,7 +125,7 @@ class Run:
 
     def planned(self, way: Array, primitive: Primitive) -> Plan | None:
         """The plan that goes along ``way`` (k, dof) and ends with the primitive, if it holds."""
-        gone = self._gone(np.vstack([way, primitive.start, primitive.approach]))
+        gone = self._gone(np.vstack([way, primitive.approach]))
         sweep = [self.motions.sweep(primitive.sweep)] if primitive.interacts else []
         return self._finished([self.motions.opened(self.start), *gone, *sweep], primitive)
 
