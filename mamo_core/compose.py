@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -47,6 +48,20 @@ class PlanVerifier(Protocol):
     ) -> VerifyReport: ...
 
 
+class EngineFor(Protocol):
+    """Builds the backend for another problem, such as the same without some of its objects.
+
+    ``changes``: options of the backend that are not those of the recipe.
+
+    Raises:
+        InputError: an option that the backend does not have, or a value it cannot have.
+    """
+
+    def __call__(
+        self, problem: Problem, changes: Mapping[str, Any] = MappingProxyType({})
+    ) -> TransitionModel: ...
+
+
 @dataclass(frozen=True, eq=False)
 class BuildContext:
     """What a component's build function receives: the problem and the parts built before it.
@@ -55,8 +70,7 @@ class BuildContext:
     retrieval, mapf, actions, search. A part that is not built yet, or not in the recipe, is None.
     ``accept_in``: other engines, by name, in which actions and plans must be valid, too.
     ``verifier`` replays a plan with all of them; it is there as soon as they are. ``engine_for``,
-    for the search alone, builds the backend for another problem, such as this one without some of
-    its objects.
+    for the search alone, builds the backend once more.
     """
 
     problem: Problem
@@ -71,7 +85,7 @@ class BuildContext:
     mapf: MAPFSolver | None = None
     actions: tuple[tuple[str, ActionGenerator], ...] = ()
     verifier: PlanVerifier | None = None
-    engine_for: Callable[[Problem], TransitionModel] | None = None
+    engine_for: EngineFor | None = None
 
     def part(self, role: str) -> Any:
         """The part built for ``role``, for components that cannot do without it.
@@ -225,20 +239,33 @@ def build_parts(
     return replace(context, engine_for=_engines(choices, arm))
 
 
-def _engines(choices: Sequence[Choice], arm: ArmModel) -> Callable[[Problem], TransitionModel]:
+def _engines(choices: Sequence[Choice], arm: ArmModel) -> EngineFor:
     """A function that builds the backend for other problems, whose limits may be others, too."""
     backends = [choice for choice in choices if choice.role == "backend"]
     known = {c.component.name: c.component for c in choices if c.role == "constraint"}
 
-    def engine_for(problem: Problem) -> TransitionModel:
+    def engine_for(
+        problem: Problem, changes: Mapping[str, Any] = MappingProxyType({})
+    ) -> TransitionModel:
         if not backends:
             raise InputError("a part 'backend' is needed, and the recipe gives none")
-        needed = [*_constraint_choices(problem, lambda name, place: known[name]), *backends]
+        changed = [_changed(choice, changes) for choice in backends]
+        needed = [*_constraint_choices(problem, lambda name, place: known[name]), *changed]
         check_requirements(needed)
         backend: TransitionModel = build_parts(needed, problem, arm).part("backend")
         return backend
 
     return engine_for
+
+
+def _changed(choice: Choice, changes: Mapping[str, Any]) -> Choice:
+    """The same component with some other options."""
+    own = choice.options.model_dump(exclude_unset=True)
+    place = f"{choice.place}: changed options of {_named(choice)}"
+    return replace(
+        choice,
+        options=validated(choice.component.options, Located({**own, **changes}, place)),
+    )
 
 
 def make_verifier(context: BuildContext) -> PlanVerifier:

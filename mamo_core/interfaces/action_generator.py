@@ -52,6 +52,13 @@ class ActionGenerator(ABC):
         """
         return None
 
+    def alike(self, action: RearrangementAction, failed: RearrangementAction) -> bool:
+        """Whether an action is so like one that failed at the same state that it will fail, too.
+
+        By default none is. Both are proposals of this generator.
+        """
+        return False
+
     def without(self, names: Collection[str]) -> ActionGenerator | None:
         """A generator as if some things were not there, to find out what they block.
 

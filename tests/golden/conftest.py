@@ -1,5 +1,6 @@
 """Searches among fakes: a plan takes milliseconds, and every call is counted."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -158,6 +159,7 @@ class Search:
         self.engines = engines
         parts = (
             arm,
+            replace(engines[0], continuous=False),
             engines,
             NoCollisions(),
             StraightArm(),

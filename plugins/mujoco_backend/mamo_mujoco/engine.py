@@ -21,14 +21,30 @@ _COUNTS = ("time", "ntree_awake", "nbody_awake", "nparent_awake", "nv_awake")
 """What else of ``MjData`` is the state: the time, and how much is awake."""
 
 
+_READY = -1
+"""Of ``MjData.tree_asleep``: counted up to here while a tree is at rest, then it sleeps."""
+
+
 class MuJoCoWorld(SimulatedWorld):
-    """A compiled model with its data; ``lead`` (s) makes the servos track without lag."""
+    """A compiled model with its data; ``lead`` (s) makes the servos track without lag.
+
+    ``sleep_at_once``: objects that do not begin to move are not watched before they sleep.
+    """
 
     exact_snapshots: ClassVar[bool] = True
 
-    def __init__(self, problem: Problem, model: Any, index: WorldIndex, lead: float) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        model: Any,
+        index: WorldIndex,
+        lead: float,
+        *,
+        sleep_at_once: bool = False,
+    ) -> None:
         self._problem, self._model, self._index, self._lead = problem, model, index, lead
         self._data = mujoco.MjData(model)
+        self._sleep_at_once = sleep_at_once
         self.time_step = float(model.opt.timestep)
         self._objects = np.stack([index.bodies, np.full_like(index.bodies, -1)], axis=1)
         self._objects[index.free, 1] = index.free_qvel
@@ -54,6 +70,8 @@ class MuJoCoWorld(SimulatedWorld):
         self._qpos[self._pose_qpos] = state.object_poses[index.free]
         self.command(state.joint_positions, np.zeros_like(state.joint_positions), drive)
         mujoco.mj_forward(self._model, data)
+        if self._sleep_at_once:
+            data.tree_asleep[index.free_trees] = _READY
 
     def command(self, positions: Array, velocities: Array, drive: float) -> None:
         """The servos see the position that is due a little later, so that they do not lag."""

@@ -78,6 +78,7 @@ class MuJoCoWorlds:
     ) -> None:
         self._problem = problem
         self._lead = options.damping / options.stiffness
+        self._sleep_at_once = options.sleep and options.sleep_at_once
         self._model = build_model(problem, arm, options, clearance)
         self._index = index_of(self._model, problem, arm)
 
@@ -85,7 +86,9 @@ class MuJoCoWorlds:
         model = copy.copy(self._model)
         if parameters is not None:
             self._change(model, parameters)
-        return MuJoCoWorld(self._problem, model, self._index, self._lead)
+        return MuJoCoWorld(
+            self._problem, model, self._index, self._lead, sleep_at_once=self._sleep_at_once
+        )
 
     def _change(self, model: Any, parameters: ParameterOverrides) -> None:
         scene = self._problem.scene

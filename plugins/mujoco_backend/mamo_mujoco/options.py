@@ -20,6 +20,11 @@ class MuJoCoOptions(Options):
         "and an arm that cannot follow is reported as stalled",
     )
     sleep: bool = Field(True, description="let resting objects sleep: faster")
+    sleep_at_once: bool = Field(
+        False,
+        description="let them sleep from the first step on, as they rest where a rollout begins, "
+        "instead of watching them for ten steps: a tenth faster",
+    )
     batch_threads: int = Field(
         1,
         ge=1,

@@ -41,7 +41,8 @@ class WorldIndex:
 
     ``arm_qpos``, ``arm_qvel`` (dof,), ``finger_qpos``, ``finger_qvel``; ``free`` (m,): scene
     numbers of objects that can move, with ``free_qpos``, ``free_qvel`` (m,) their first
-    coordinates; ``bodies`` (n,): body of every object; ``entity`` (geoms,): entity number.
+    coordinates; ``bodies`` (n,): body of every object; ``entity`` (geoms,): entity number;
+    ``free_trees`` (m,): kinematic trees of objects that can move.
     """
 
     arm_qpos: IntArray
@@ -54,6 +55,7 @@ class WorldIndex:
     bodies: IntArray
     entity: IntArray
     tool_body: int
+    free_trees: IntArray
 
 
 def build_model(
@@ -106,6 +108,9 @@ def index_of(model: Any, problem: Problem, arm: ArmModel) -> WorldIndex:
         bodies=np.array([model.body(o.name).id for o in problem.scene.objects], dtype=np.int64),
         entity=np.array(entity, dtype=np.int64),
         tool_body=model.body(f"link:{arm.links[arm.tool_link].name}").id,
+        free_trees=np.array(
+            [model.body_treeid[model.body(name).id] for name in free_names], dtype=np.int64
+        ),
     )
 
 

@@ -40,6 +40,12 @@ class PushOptions(Options):
     joint_speed: float = Field(0.5, gt=0.0, le=1.0, description="share of the velocity limits")
     settle: float = Field(1.0, ge=0.0, description="longest wait for objects to rest, s")
     shortest: float = Field(0.02, gt=0.0, description="shortest push worth trying, m")
+    alike: float = Field(
+        0.0,
+        ge=0.0,
+        description="a push that would lead this close (m) to where one with about the same hand "
+        "failed from the same rearrangement, or through there, is not tried; 0: all are",
+    )
 
 
 class TurnOptions(Options):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -88,25 +89,31 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
     def contact_free(motion: Motion, states: Sequence[SceneState]) -> bool:
         return not check_meshes(scene, motion.segments, states, robot, motion.opening)
 
-    backend = context.part("backend")
+    backend = quick = context.part("backend")
     strict = stricter(problem, uncertainty) if uncertainty is not None else problem
     if strict is not problem:
-        backend = context.part("engine_for")(strict)
+        backend = quick = context.part("engine_for")(strict)
+    if uncertainty is not None and uncertainty.backend:
+        quick = context.part("engine_for")(strict, uncertainty.backend)
 
-    def engines(rng: np.random.Generator) -> tuple[list[Engine], int]:
-        """The engines, and how many of them may fail."""
+    def engines(rng: np.random.Generator) -> tuple[Engine, list[Engine], int]:
+        """What tries actions, what executes them, the first continuously, and how many may fail."""
         others = [Engine(name, model) for name, model in context.accept_in]
         if uncertainty is None:
-            return [Engine("backend", backend), *others], 0
-        samples = sampled(scene, uncertainty, rng)
-        drawn = [Engine(f"sample_{n}", backend, v, n == 0) for n, v in enumerate(samples)]
-        return [*drawn, *others], len(drawn) - needed(uncertainty.threshold, len(drawn))
+            own = Engine("backend", backend)
+            return replace(own, continuous=False), [own, *others], 0
+        values = sampled(scene, uncertainty, rng)
+        samples = [Engine(f"sample_{n}", quick, v, continuous=False) for n, v in enumerate(values)]
+        leading = replace(samples[0], model=backend, continuous=True)
+        tolerated = len(samples) - needed(uncertainty.threshold, len(samples))
+        return samples[0], [leading, *samples[1:], *others], tolerated
 
     def execution(statistics: Statistics, budget: Budget, rng: np.random.Generator) -> Execution:
-        used, tolerated = engines(rng)
+        trial, used, tolerated = engines(rng)
         return Execution(
             problem,
             robot,
+            trial,
             used,
             collision,
             context.part("arm_planner"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -33,17 +32,18 @@ ExecutionFactory = Callable[[Statistics, Budget, np.random.Generator], "Executio
 class Execution:
     """Executes actions one after the other; it holds nothing that changes but statistics.
 
-    A candidate is first rolled out alone, from its sweep on, which is cheap. If that is valid the
-    whole motion is executed from the engine's exact state, so that what the search believes is
-    what the continuous execution does (needs the capability exact_continuation). The other engines
-    follow, each in a line of its own: samples, of which ``tolerated`` may fail, before the whole
-    motion, continuous ones after it.
+    A candidate is first tried alone, from its sweep on, which is cheap. If that is valid the whole
+    motion is executed from the engine's exact state, so that what the search believes is what the
+    continuous execution does (needs the capability exact_continuation). The other engines follow,
+    each in a line of its own: samples, of which ``tolerated`` may fail, before the whole motion,
+    continuous ones after it.
     """
 
     def __init__(
         self,
         problem: Problem,
         arm: ArmModel,
+        trial: Engine,
         engines: Sequence[Engine],
         collision: CollisionChecker,
         arm_planner: ArmPlanner,
@@ -54,8 +54,9 @@ class Execution:
         tolerated: int = 0,
         safety_margin: float = 0.0,
     ) -> None:
-        """``engines``: the first one's state is what the search plans from."""
-        self._problem, self._arm = problem, arm
+        """``trial``: tries candidates, not continuously; ``engines``: the first one's state is what
+        the search plans from."""
+        self._problem, self._arm, self._trial = problem, arm, trial
         self._collision, self._arm_planner = collision, arm_planner
         self._stats = statistics
         leading, *others = [Line(engine, problem.initial) for engine in engines]
@@ -75,9 +76,7 @@ class Execution:
 
         None if it is not valid, does not move its object, or does not pass ``accept``.
         """
-        sweep = action.motion.after_transit()
-        start = stand.state.with_joints(sweep.start)
-        trial = self._rollouts.one(replace(stand.leading, state=start, token=None), sweep, None)
+        trial = self._rollouts.one(Line(self._trial, stand.state), action.motion, None)
         if not self._judge.good(trial, action, accept):
             return None
         self._stats.counts["valid_rollouts"] += 1
@@ -177,12 +176,10 @@ class Execution:
 
         None if the retrieval is not valid in the continuous execution, in enough engines.
         """
-        result = self._rollouts.one(stand.leading, motion, None)
         samples, continuous = split(stand.others)
-        if not (
-            self._judge.retrieved(result)
-            and self._samples.hold(samples, motion)
-            and self._witnesses.hold(continuous, motion)
-        ):
+        if not self._samples.hold(samples, motion):
+            return None
+        result = self._rollouts.one(stand.leading, motion, None)
+        if not (self._judge.retrieved(result) and self._witnesses.hold(continuous, motion)):
             return None
         return (*stand.leading.executed, result)

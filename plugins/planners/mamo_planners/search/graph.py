@@ -193,7 +193,8 @@ class RearrangementGraph:
     def _realised(self, edge: Edge) -> tuple[Actions, Stand] | None:
         run, vertex, request = self._run, edge.parent, edge.request
         accept = run.lessens(self._region, vertex.state) if request.path is None else None
-        found = run.realise(vertex.stand, edge.kind, request, accept)
+        failed = vertex.failed[edge.kind]
+        found = run.realise(vertex.stand, edge.kind, request, accept, failed)
         if found is None:
             return None
         action, stand = found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -71,6 +71,12 @@ class Uncertainty(Options):
         ge=0.0,
         description="distance that moved objects keep from what must not be touched, in every "
         "simulation that is to hold, m; thesis: 0",
+    )
+
+    backend: dict[str, Any] = Field(
+        default_factory=dict,
+        description="options of the backend that are others in samples, such as a longer time_step;"
+        " what the first one holds is executed with the recipe's own; thesis: none",
     )
 
     @property

@@ -171,20 +171,27 @@ class SearchRun:
         kind: str,
         request: ActionRequest,
         accept: Accept | None = None,
+        failed: list[RearrangementAction] | None = None,
     ) -> tuple[RearrangementAction, Stand] | None:
         """The first action of a kind that is valid, and where it leads.
 
-        What the generator itself says about progress goes before ``accept``.
+        What the generator itself says about progress goes before ``accept``. ``failed``: what this
+        kind tried at this rearrangement before, and what fails now; the like is not tried again.
         """
+        failed = failed if failed is not None else []
         generator = next(g for name, g in self.parts.actions if name == kind)
         accept = generator.progress(stand.state, request) or accept
         proposals = generator.propose(stand.state, request, self.rng, self.statistics)
         for action in proposals:
             if self.budget.exhausted:
                 return None
+            if any(generator.alike(action, other) for other in failed):
+                self.statistics.counts["passed_over"] += 1
+                continue
             after = self.execution.after(stand, action, accept)
             if after is not None:
                 return action, after
+            failed.append(action)
         return None
 
     def lessens(self, region: SweptRegion, before: SceneState) -> Accept:

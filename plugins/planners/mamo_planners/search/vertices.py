@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
 from mamo_core.interfaces.action_generator import ActionRequest
+from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import Array
 from mamo_core.types.scene import SceneState
 from mamo_planners.search.run import Actions
@@ -37,7 +38,7 @@ class Vertex:
     ``known``: how many failed aims the last MAPF call was told of; ``hallucinated``: how many aims
     that did not fail. ``retrieval_tried``: whether the target cannot be taken out from here.
     ``refuted``: what was predicted to lead here does not. ``failures``: how often a kind of action
-    failed for an object.
+    failed for an object; ``failed``: which actions of a kind did.
     """
 
     number: int
@@ -51,6 +52,9 @@ class Vertex:
     retrieval_tried: bool = False
     refuted: bool = False
     failures: Counter[tuple[str, str]] = field(default_factory=Counter)
+    failed: defaultdict[str, list[RearrangementAction]] = field(
+        default_factory=lambda: defaultdict(list)
+    )
     _wanted: set[tuple[str, float, float]] = field(default_factory=set)
 
     @property
