@@ -78,7 +78,7 @@ def measure(count: int, repeats: int) -> dict[tuple[str, int], Tally]:
             for threads in (1, 2)
         }
         jobs = [problem.initial.with_joints(sweep.start)] * SAMPLES, [sweep] * SAMPLES
-        masses = _sampled(problem)
+        masses = sampled_masses(problem)
         for model in models.values():  # their worlds are built here
             model.rollout_batch(*jobs, parameters=masses)
         for _, ((way, threads), tally) in product(range(repeats), tallies.items()):
@@ -87,7 +87,7 @@ def measure(count: int, repeats: int) -> dict[tuple[str, int], Tally]:
     return tallies
 
 
-def _sampled(problem: Problem) -> list[ParameterOverrides]:
+def sampled_masses(problem: Problem) -> list[ParameterOverrides]:
     """Masses from half to twice of what they are."""
     rng = np.random.default_rng(0)
     return [

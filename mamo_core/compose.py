@@ -49,9 +49,7 @@ class PlanVerifier(Protocol):
 
 
 class EngineFor(Protocol):
-    """Builds the backend for another problem, such as the same without some of its objects.
-
-    ``changes``: options of the backend that are not those of the recipe.
+    """Builds the backend for a problem; ``changes``: options that are not those of the recipe.
 
     Raises:
         InputError: an option that the backend does not have, or a value it cannot have.
@@ -70,7 +68,8 @@ class BuildContext:
     retrieval, mapf, actions, search. A part that is not built yet, or not in the recipe, is None.
     ``accept_in``: other engines, by name, in which actions and plans must be valid, too.
     ``verifier`` replays a plan with all of them; it is there as soon as they are. ``engine_for``,
-    for the search alone, builds the backend once more.
+    for the search alone, builds the backend for another problem, such as this one without some of
+    its objects, or with other options.
     """
 
     problem: Problem

@@ -122,11 +122,12 @@ class Search:
         others=(),
         retrieval=None,
         kind="greedy",
+        trial=None,
         clear=lambda motion, state: True,
         **options,
     ):
         self.problem, self.others, self.clear = problem, others, clear
-        self.uncertainty = options.get("uncertainty")
+        self.uncertainty, self.trial = options.get("uncertainty"), trial
         self.model = model or QuasiStaticModel(
             problem, GantryKinematics().forward, standard_constraints(problem)
         )
@@ -159,7 +160,7 @@ class Search:
         self.engines = engines
         parts = (
             arm,
-            replace(engines[0], continuous=False),
+            replace(engines[0], model=self.trial or self.model, continuous=False),
             engines,
             NoCollisions(),
             StraightArm(),

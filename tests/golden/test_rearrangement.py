@@ -192,6 +192,38 @@ def test_a_second_kind_of_action_is_tried_where_the_first_fails(search_of, in_wo
     assert solution.statistics.counts["expansions"] == 1
 
 
+class Twice(StraightPush):
+    """Proposes everything twice, and nothing is what it was for; keeps what it was asked about."""
+
+    def __init__(self, problem, alike):
+        super().__init__(problem)
+        self._alike, self.asked = alike, []
+
+    def propose(self, state, request, rng, statistics):
+        for action in super().propose(state, request, rng, statistics):
+            yield from (action, action)
+
+    def progress(self, before, request):
+        return lambda after: False
+
+    def alike(self, action, failed):
+        self.asked.append((action, failed))
+        return self._alike
+
+
+@pytest.mark.parametrize("alike", [True, False])
+def test_what_is_like_a_failure_is_not_tried_again_at_that_rearrangement(search_of, alike):
+    problem = one_blocker().problem
+    push = Twice(problem, alike)
+    search = search_of(
+        problem, actions=[push], kind="depth_first", regions=1, expansions=2, agnostic=0
+    )
+    counts = search.solve().statistics.counts
+    assert counts["passed_over"] == (3 if alike else 0)
+    assert counts["rollouts"] == (1 if alike else 4)
+    assert all(action.kind == failed.kind == "push" for action, failed in push.asked)
+
+
 def test_an_action_may_say_itself_what_it_must_have_brought_about(search_of, in_words):
     """Here, to have gone to the right; MAPF wants the left first."""
 

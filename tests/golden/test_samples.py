@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 from mamo_planners.search.options import Uncertainty
 
+from mamo_core.testing.gantry import GantryKinematics
+from mamo_core.testing.quasi_static import QuasiStaticModel
 from mamo_core.testing.scenes import one_blocker
+from mamo_core.testing.transition_cases import standard_constraints
 from mamo_core.types.motion import SegmentKind
+from mamo_core.types.rollout import ParameterOverrides
 from mamo_core.types.solution import SolutionStatus
 
 HEAVY = 50.0
@@ -114,7 +118,34 @@ def test_a_retrieval_is_clear_in_enough_samples_and_executed_in_none(
     asked = watched(search, monkeypatch)
     assert (search.solve().status is SolutionStatus.SOLVED) == solved
     retrievals = [n for n, m in asked if m.segments[-1].kind is SegmentKind.CARRY]
-    assert set(retrievals) <= {0}
+    assert set(retrievals) == ({0} if solved else set())
+
+
+class Seen(QuasiStaticModel):
+    """Counts its rollouts; where things are ``heavy``, nothing can be pushed."""
+
+    def __init__(self, problem, heavy=False):
+        super().__init__(problem, GantryKinematics().forward, standard_constraints(problem))
+        self.rollouts = 0
+        self.heavy = ParameterOverrides(dict.fromkeys(["a"], HEAVY)) if heavy else None
+
+    def rollout(self, state, motion, *, parameters=None, **more):
+        self.rollouts += 1
+        return super().rollout(state, motion, parameters=self.heavy or parameters, **more)
+
+
+@pytest.mark.parametrize("heavy", [False, True])
+def test_actions_are_tried_in_an_engine_of_their_own(search_of, heavy):
+    problem = one_blocker().problem
+    trial, leading = Seen(problem, heavy), Seen(problem)
+    search = search_of(
+        problem, kind="depth_first", model=leading, trial=trial, regions=1, expansions=1, agnostic=0
+    )
+    solution = search.solve()
+    assert (solution.status is SolutionStatus.SOLVED) != heavy
+    assert trial.rollouts == 1
+    # The push, the retrieval, and the verifier's replay.
+    assert leading.rollouts == (0 if heavy else 3)
 
 
 class NothingIsFree(FreeOnlyInTheFirstEngine):

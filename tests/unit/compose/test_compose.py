@@ -164,6 +164,25 @@ def test_engines_for_other_problems_have_the_options_of_the_recipe():
     assert asked == [("p", 3), ("smaller", 3)]
 
 
+def test_an_engine_with_other_options():
+    world, asked = World(), []
+
+    def build(context, options):
+        asked.append((options.depth, options.wide))
+        return "backend toy"
+
+    class TwoOptions(SearchOptions):
+        wide: bool = False
+
+    world.components["backend", "toy"] = Component("toy", build, TwoOptions)
+    planner = world.compose("backend={name: toy, depth: 3}")
+    planner.context.engine_for(PROBLEM, {"wide": True})
+    assert asked == [(3, False), (3, True)]
+    wrong = "changed options of backend 'toy': unknown key 'deep'; .*valid: depth, wide"
+    with pytest.raises(InputError, match=wrong):
+        planner.context.engine_for(PROBLEM, {"deep": 3})
+
+
 def test_without_a_backend_there_is_none_for_other_problems_either():
     world = World()
     context = build_parts(

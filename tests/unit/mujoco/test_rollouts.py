@@ -37,10 +37,13 @@ def same(one, other):
     )
 
 
-@pytest.mark.parametrize("sleep", [True, False])
-def test_nothing_drifts(model_of, sleep):
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"sleep": False}, {"sleep_at_once": True}, {"sleep_at_once": True, "time_step": 0.008}],
+)
+def test_nothing_drifts(model_of, options):
     problem = generate_shelf(movables=10, seed=1)
-    result = model_of(problem, sleep=sleep).rollout(
+    result = model_of(problem, **options).rollout(
         problem.initial, waiting(problem.home, 5.0), options=ALL
     )
     assert result.duration == pytest.approx(5.0, abs=0.2)
@@ -230,9 +233,10 @@ def test_foreign_continuations_are_refused(cases, model):
         model.rollout(cases.problem.initial, cases.still, continue_from=object())
 
 
-def test_sleep_changes_little(cases, model, model_of):
+@pytest.mark.parametrize("options", [{"sleep": False}, {"sleep_at_once": True}])
+def test_sleep_changes_little(cases, model, model_of, options):
     start = cases.problem.initial
-    results = [m.rollout(start, cases.push) for m in (model, model_of(cases.problem, sleep=False))]
+    results = [m.rollout(start, cases.push) for m in (model, model_of(cases.problem, **options))]
     poses = [r.final_state.object_poses for r in results]
     assert all(r.valid for r in results)
     assert results[0].moved == results[1].moved == ("can",)

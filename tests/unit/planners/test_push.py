@@ -51,6 +51,33 @@ def proposals(problem, parts, order, seed=0, **options):
     return list(generator.propose(problem.initial, order, rng, statistics)), statistics
 
 
+def the_same(action, move=(0.12, 0.0), name="blocker", **info):
+    """The action with another end or another hand."""
+    start = action.path[0]
+    path = np.stack([start, start + np.array(move)])
+    return replace(action, object_name=name, path=path, info={**action.info, **info})
+
+
+def test_pushes_that_go_where_one_failed_with_the_same_hand_are_alike(problem, parts):
+    push = push_of(problem, parts, alike=0.015)
+    (action, *_), _ = proposals(problem, parts, request(problem))
+    failed = the_same(action, yaw=3.1, pitch=0.1)
+
+    def like(**changes):
+        return push.alike(the_same(failed, **changes), failed)
+
+    assert like()
+    assert like(move=(0.13, 0.0))
+    assert like(move=(0.3, 0.02))  # it comes by there
+    assert not like(move=(0.1, 0.0))
+    assert not like(move=(0.3, 0.1))
+    assert like(yaw=-3.1)  # across the cut
+    assert not like(yaw=2.7)
+    assert not like(pitch=0.52)
+    assert not like(name="target")
+    assert not push_of(problem, parts).alike(failed, failed)
+
+
 @pytest.fixture(scope="module")
 def problem(shelf_with):
     """The target stands aside, so that there is room behind the blocker."""
