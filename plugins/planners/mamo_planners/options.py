@@ -40,6 +40,9 @@ class PushOptions(Options):
     joint_speed: float = Field(0.5, gt=0.0, le=1.0, description="share of the velocity limits")
     settle: float = Field(1.0, ge=0.0, description="longest wait for objects to rest, s")
     shortest: float = Field(0.02, gt=0.0, description="shortest push worth trying, m")
+    longest: float | None = Field(
+        None, gt=0.0, description="longest push, m; an object that is to go farther goes so far"
+    )
     alike: float = Field(
         0.0,
         ge=0.0,

@@ -51,6 +51,13 @@ def proposals(problem, parts, order, seed=0, **options):
     return list(generator.propose(problem.initial, order, rng, statistics)), statistics
 
 
+@pytest.mark.parametrize(("longest", "length"), [(None, 0.12), (0.2, 0.12), (0.05, 0.05)])
+def test_the_longest_push(problem, parts, longest, length):
+    (action, *_), _ = proposals(problem, parts, request(problem), longest=longest)
+    way = action.path[-1] - action.path[0]
+    assert way == pytest.approx([length, 0.0])
+
+
 def the_same(action, move=(0.12, 0.0), name="blocker", **info):
     """The action with another end or another hand."""
     start = action.path[0]

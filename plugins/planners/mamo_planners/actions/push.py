@@ -98,6 +98,8 @@ class Push(ActionGenerator):
             statistics.failed(request.object_name, self._kind, "no_room")
             return
         line = through_centre(shape, pose, delta)
+        if self._options.longest is not None:
+            line = line.by(min(length, self._options.longest))
         yield from self.along(state, request.object_name, line, rng, statistics)
 
     def along(
