@@ -25,6 +25,14 @@ class MuJoCoOptions(Options):
         description="let them sleep from the first step on, as they rest where a rollout begins, "
         "instead of watching them for ten steps: a tenth faster",
     )
+    tolerance: float = Field(
+        1e-8, gt=0.0, description="of the contact solver: it stops where it gains less"
+    )
+    arm_meets_fixtures: bool = Field(
+        True,
+        description="simulate contacts between the arm and fixtures; without them it is faster, "
+        "and whether the arm keeps clear of fixtures must be found out elsewhere",
+    )
     batch_threads: int = Field(
         1,
         ge=1,

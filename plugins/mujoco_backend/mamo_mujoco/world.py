@@ -67,6 +67,7 @@ def build_model(
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    spec.option.tolerance = options.tolerance
     if options.sleep:
         spec.option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
     _add_arm(spec, problem, arm, options)
@@ -81,6 +82,8 @@ def build_model(
             body.add_freejoint(name=item.name)
     _add_friction_pairs(spec, problem, options)
     _add_weld(spec, problem, arm, options)
+    if not options.arm_meets_fixtures:
+        _part(spec)
     if clearance == 0.0:
         return spec.compile()
     add_immovable_pairs(spec, problem, _solref(options))
@@ -229,6 +232,13 @@ def _add_friction_pairs(spec: Any, problem: Problem, options: MuJoCoOptions) -> 
                 friction=[mu, mu, _TORSION, _ROLLING, _ROLLING],
                 solref=_solref(options),
             )
+
+
+def _part(spec: Any) -> None:
+    """Arm and fixtures do not collide, only each with objects."""
+    for geom in spec.geoms:
+        if geom.contype in (_ROBOT, _FIXTURE):
+            geom.conaffinity = _OBJECT
 
 
 def _add_weld(spec: Any, problem: Problem, arm: ArmModel, options: MuJoCoOptions) -> None:

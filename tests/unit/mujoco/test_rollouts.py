@@ -16,7 +16,7 @@ from mamo_core.testing.transition_cases import merged
 from mamo_core.types.geometry import Box, invert, make_pose, matrix_from_pose, z_axes
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.rollout import ParameterOverrides
-from mamo_core.types.scene import Mobility, SceneState, displacements
+from mamo_core.types.scene import Fixture, Mobility, SceneState, displacements
 
 ALL = RolloutOptions(stop_early=False)
 
@@ -233,7 +233,9 @@ def test_foreign_continuations_are_refused(cases, model):
         model.rollout(cases.problem.initial, cases.still, continue_from=object())
 
 
-@pytest.mark.parametrize("options", [{"sleep": False}, {"sleep_at_once": True}])
+@pytest.mark.parametrize(
+    "options", [{"sleep": False}, {"sleep_at_once": True}, {"tolerance": 1e-4}]
+)
 def test_sleep_changes_little(cases, model, model_of, options):
     start = cases.problem.initial
     results = [m.rollout(start, cases.push) for m in (model, model_of(cases.problem, **options))]
@@ -241,6 +243,21 @@ def test_sleep_changes_little(cases, model, model_of, options):
     assert all(r.valid for r in results)
     assert results[0].moved == results[1].moved == ("can",)
     assert np.linalg.norm(poses[0][:, :3] - poses[1][:, :3], axis=1).max() < 3e-3
+
+
+@pytest.mark.parametrize("meets", [True, False])
+def test_arm_and_fixtures_may_be_let_through_each_other(cases, model, model_of, meets):
+    problem = cases.problem
+    where = model.tool_pose(problem.initial)
+    post = Fixture("block", Box(np.array([0.1, 0.1, 0.1])), make_pose(where[:3]))
+    scene = replace(problem.scene, fixtures=(*problem.scene.fixtures, post))
+    result = model_of(replace(problem, scene=scene), arm_meets_fixtures=meets).rollout(
+        problem.initial, cases.still
+    )
+    assert (("block", "robot") in {tuple(sorted(pair)) for pair in result.contacts}) == meets
+    assert result.valid != meets
+    pushed = model_of(problem, arm_meets_fixtures=meets).rollout(problem.initial, cases.push)
+    assert pushed.moved == ("can",)
 
 
 def test_the_held_target_follows_the_tool(grasping, arm, model_of):
