@@ -107,8 +107,8 @@ def test_a_way_back_that_is_not_free_is_simulated_to_its_end(search_of, monkeypa
     assert pushes == [0, 1, 1, 2, 2, 3, 3, 0]
 
 
-@pytest.mark.parametrize(("near", "solved"), [(1, True), (2, False)])
-def test_a_retrieval_is_clear_in_enough_samples_and_executed_in_none(
+@pytest.mark.parametrize(("near", "solved"), [(0, True), (1, False)])
+def test_a_retrieval_is_clear_in_all_samples_and_executed_in_none(
     search_of, monkeypatch, near, solved
 ):
     answers = [False] * near + [True] * (3 - near)

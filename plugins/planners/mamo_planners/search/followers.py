@@ -33,7 +33,8 @@ class Samples:
     """Lines that execute each action from its sweep on, from rest: sampled masses and frictions.
 
     ``needed`` of them, over the whole plan, must agree. Those that refused most often so far are
-    asked first, as many at a time as it takes at least to refuse.
+    asked first, as many at a time as it takes at least to refuse. What need not be simulated, the
+    way to a sweep and that of the retrieval, must be free in all of them that have held so far.
     """
 
     def __init__(
@@ -62,6 +63,9 @@ class Samples:
         if not lines:
             return ()
         motion = action.motion
+        if not all(self._transits_free(motion, line.state) for line in lines):
+            self._stats.failed(action.object_name, action.kind, _REFUSAL)
+            return None
         short, rest = self._shortened(motion.after_transit(), expected)
 
         def followed(line: Line, result: RolloutResult) -> Line | None:
@@ -73,15 +77,15 @@ class Samples:
         return self._asked(lines, short, followed, (action.object_name, action.kind))
 
     def hold(self, lines: Sequence[Line], retrieval: Motion) -> bool:
-        """Whether nothing but the target is near the way of a retrieval, in enough of the lines.
+        """Whether nothing but the target is near the way of a retrieval, in all of the lines.
 
         It need not be executed there: from rest, masses and frictions only matter to what is
         touched, and where something is, it may be touched with others.
         """
-        clear = sum(self._clear(retrieval, line.state) for line in lines)
-        if clear < self._needed:
+        clear = all(self._clear(retrieval, line.state) for line in lines)
+        if not clear:
             self._stats.failed("arm", "retrieval", _REFUSAL)
-        return clear >= self._needed
+        return clear
 
     def _asked(
         self,
@@ -130,20 +134,23 @@ class Samples:
         world = self._collision.world(result.final_state.object_poses, opening=opening)
         return bool(world.free(rest).all())
 
-    def _free(self, line: Line, result: RolloutResult, motion: Motion) -> bool:
+    def _transits_free(self, motion: Motion, state: SceneState) -> bool:
         """Whether a way that was planned for the first engine's poses is free for these, too.
 
-        A transit is planned with the checker's distance to everything, and keeps it here.
+        It is planned with the checker's distance to everything, and keeps it here.
         """
-        states = result.segment_states
-        before = len(motion.segments) - len(states)
-        return all(
-            self._transit_free(segment, line.state) for segment in motion.segments[:before]
-        ) and self._contact_free(motion, (*([line.state] * before), *states))
+        transits = motion.segments[: -len(motion.after_transit().segments)]
+        return all(self._transit_free(transit, state) for transit in transits)
 
     def _transit_free(self, transit: MotionSegment, state: SceneState) -> bool:
         world = self._collision.world(state.object_poses, opening=transit.opening)
         return bool(world.free(transit.trajectory.positions).all())
+
+    def _free(self, line: Line, result: RolloutResult, motion: Motion) -> bool:
+        """Whether contact-free segments touch nothing."""
+        states = result.segment_states
+        before = len(motion.segments) - len(states)
+        return self._contact_free(motion, (*([line.state] * before), *states))
 
 
 class Witnesses:
