@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from itertools import islice
 
@@ -27,6 +27,7 @@ from mamo_planners.actions.push_geometry import (
     rich_tool_poses,
     thesis_tool_poses,
 )
+from mamo_planners.actions.push_likeness import alike
 from mamo_planners.actions.push_line import PushLine, through_centre
 from mamo_planners.footprints import Outlines, free_slide
 from mamo_planners.ignoring import IgnoringChecker
@@ -38,8 +39,6 @@ _QUERY_SIZE = 6
 _SCREEN_STEP = 0.02
 _SCREENED_AT_ONCE = 12
 _SHUFFLE = 0.4
-_ALIKE_YAW, _ALIKE_PITCH = 0.2, 0.15
-"""Hands turned by less (rad) are alike; those that are tried differ by more, or not at all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,12 +117,8 @@ class Push(ActionGenerator):
         yield from self._approached(state, name, starts, goal, rng, statistics)
 
     def alike(self, action: RearrangementAction, failed: RearrangementAction) -> bool:
-        """Whether the hand stands alike, and the object would come by where the other one ends."""
-        if action.object_name != failed.object_name or not _stand_alike(action.info, failed.info):
-            return False
-        way, other = action.path[-1] - action.path[0], failed.path[-1] - failed.path[0]
-        passed = min(1.0, float(np.linalg.norm(other) / np.linalg.norm(way))) * way
-        return bool(np.linalg.norm(passed - other) < self._options.alike)
+        """As the option ``alike`` has it."""
+        return alike(action, failed, self._options.alike)
 
     def without(self, names: Collection[str]) -> Push:
         return Push(
@@ -320,12 +315,6 @@ class Push(ActionGenerator):
             opening,
         )
         return RearrangementAction(self._kind, name, motion, goal, start.info)
-
-
-def _stand_alike(one: Mapping[str, float], other: Mapping[str, float]) -> bool:
-    """Whether the hand is turned about the same way to the push, and as steep."""
-    turn = abs(np.remainder(one["yaw"] - other["yaw"] + np.pi, 2.0 * np.pi) - np.pi)
-    return bool(turn < _ALIKE_YAW and abs(one["pitch"] - other["pitch"]) < _ALIKE_PITCH)
 
 
 def _steps_along(direction: Array, travel: float) -> Array:
