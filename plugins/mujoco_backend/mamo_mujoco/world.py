@@ -83,7 +83,7 @@ def build_model(
     _add_friction_pairs(spec, problem, options)
     _add_weld(spec, problem, arm, options)
     if not options.arm_meets_fixtures:
-        _part(spec)
+        _part_arm_and_fixtures(spec)
     if clearance == 0.0:
         return spec.compile()
     add_immovable_pairs(spec, problem, _solref(options))
@@ -234,8 +234,8 @@ def _add_friction_pairs(spec: Any, problem: Problem, options: MuJoCoOptions) -> 
             )
 
 
-def _part(spec: Any) -> None:
-    """Arm and fixtures do not collide, only each with objects."""
+def _part_arm_and_fixtures(spec: Any) -> None:
+    """They do not collide, only each with objects."""
     for geom in spec.geoms:
         if geom.contype in (_ROBOT, _FIXTURE):
             geom.conaffinity = _OBJECT

@@ -236,7 +236,7 @@ def test_foreign_continuations_are_refused(cases, model):
 @pytest.mark.parametrize(
     "options", [{"sleep": False}, {"sleep_at_once": True}, {"tolerance": 1e-4}]
 )
-def test_sleep_changes_little(cases, model, model_of, options):
+def test_what_saves_time_changes_little(cases, model, model_of, options):
     start = cases.problem.initial
     results = [m.rollout(start, cases.push) for m in (model, model_of(cases.problem, **options))]
     poses = [r.final_state.object_poses for r in results]

@@ -72,7 +72,6 @@ class Uncertainty(Options):
         description="distance that moved objects keep from what must not be touched, in every "
         "simulation that is to hold, m; thesis: 0",
     )
-
     backend: dict[str, Any] = Field(
         default_factory=dict,
         description="options of the backend that are others in samples, such as a longer time_step;"
