@@ -6,7 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mamo_core.compose import BuildContext, build_parts, choose
+from mamo_core.build_context import BuildContext
+from mamo_core.choices import choose
+from mamo_core.compose import build_parts
 from mamo_core.errors import InputError
 from mamo_core.plugins import Registry
 from mamo_core.problems.generator import LEVELS, level_of

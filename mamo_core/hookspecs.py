@@ -42,7 +42,7 @@ class NoOptions(Options):
 class Component:
     """A registered part.
 
-    ``build(context, options)`` makes the part for one problem (see ``compose.BuildContext``).
+    ``build(context, options)`` makes the part for one problem (see ``build_context.BuildContext``).
     ``provides``: capabilities it declares. ``requires``: role -> capabilities it needs there;
     compose refuses a recipe that lacks one before anything runs. ``tasks``: of searches, the tasks
     they plan for (see ``types.problem.Task``). ``extra``: of mamo, that installs

@@ -7,7 +7,7 @@ from itertools import islice
 
 import numpy as np
 
-from mamo_core.compose import BuildContext
+from mamo_core.build_context import BuildContext
 from mamo_core.interfaces.arm_planner import ArmPlan
 from mamo_core.interfaces.collision_checker import CollisionWorld
 from mamo_core.plugins import Registry

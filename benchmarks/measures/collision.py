@@ -6,7 +6,7 @@ from itertools import islice
 
 import numpy as np
 
-from mamo_core.compose import BuildContext
+from mamo_core.build_context import BuildContext
 from mamo_core.plugins import Registry
 from mamo_core.robots.exact_collision import ExactChecker
 from mamo_core.types.geometry import Array, tool_matrix

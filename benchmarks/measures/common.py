@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from mamo_core.compose import BuildContext, build_parts, choose
+from mamo_core.build_context import BuildContext
+from mamo_core.choices import choose
+from mamo_core.compose import build_parts
 from mamo_core.plugins import Registry
 from mamo_core.problems import generate_shelf
 from mamo_core.recipe_sets import chosen_recipe

@@ -8,8 +8,10 @@ from itertools import combinations, islice
 
 import numpy as np
 
+from mamo_core.build_context import BuildContext
+from mamo_core.choices import choose
 from mamo_core.compare.execute import shifted
-from mamo_core.compose import BuildContext, build_parts, choose
+from mamo_core.compose import build_parts
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
 from mamo_core.plugins import Registry
 from mamo_core.recipe_sets import chosen_recipe

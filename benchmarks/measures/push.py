@@ -9,7 +9,7 @@ import numpy as np
 from mamo_planners.search.abstraction import mapf_problem
 from mamo_planners.search.options import GreedyOptions
 
-from mamo_core.compose import BuildContext
+from mamo_core.build_context import BuildContext
 from mamo_core.interfaces.action_generator import ActionRequest
 from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.plugins import Registry

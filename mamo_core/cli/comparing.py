@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mamo_core.atomic import atomic_path, check_writable
+from mamo_core.choices import choose
 from mamo_core.cli.output import print_json, print_table, progress, warn_of_broken_plugins
-from mamo_core.compose import build_parts, choose, compose
+from mamo_core.compose import build_parts, compose
 from mamo_core.errors import InputError
 from mamo_core.interfaces.search_strategy import ProgressCallback
 from mamo_core.plan_file import is_plan_file, read_plan

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mamo_core.atomic import atomic_path, check_writable
+from mamo_core.choices import Choice, choose
 from mamo_core.cli.output import progress, warn, warn_of_broken_plugins
 from mamo_core.cli.plan_report import PlanReport, print_report
-from mamo_core.compose import Choice, Planner, choose, compose
+from mamo_core.compose import Planner, compose
 from mamo_core.errors import InputError
 from mamo_core.explain import Explanation, details_of, explain
 from mamo_core.explain.words import in_words

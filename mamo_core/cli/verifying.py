@@ -6,9 +6,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mamo_core.choices import choose
 from mamo_core.cli.output import print_json, progress, warn, warn_of_broken_plugins
 from mamo_core.cli.plan_report import DONE, NOT_VERIFIED, WORKER_CRASHED
-from mamo_core.compose import build_parts, choose, make_verifier
+from mamo_core.compose import build_parts, make_verifier
 from mamo_core.config import Located
 from mamo_core.plan_file import PlanDocument, package_versions, read_plan
 from mamo_core.plugins import discover

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mamo_core.atomic import atomic_path
+from mamo_core.choices import choose
 from mamo_core.cli.output import print_json, progress, warn_of_broken_plugins
 from mamo_core.cli.verifying import recipe_of
 from mamo_core.cli.view_order import FILMS, RECORDING, ViewOrder, check_order, pixels
-from mamo_core.compose import build_parts, choose
+from mamo_core.compose import build_parts
 from mamo_core.errors import InputError
 from mamo_core.interfaces.search_strategy import ProgressCallback
 from mamo_core.plan_file import read_plan

@@ -14,7 +14,7 @@ from mamo_core.constraints.options import (
 from mamo_core.hookspecs import Component, hookimpl
 
 if TYPE_CHECKING:
-    from mamo_core.compose import BuildContext
+    from mamo_core.build_context import BuildContext
 
 
 def _contact(context: BuildContext, options: ContactOptions) -> Any:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from mamo_core.compose import build_parts, choose, make_verifier
+from mamo_core.choices import choose
+from mamo_core.compose import build_parts, make_verifier
 from mamo_core.config import Located
 from mamo_core.plan_file import read_plan
 from mamo_core.plugins import Registry

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from mamo_core.compose import choose
+from mamo_core.choices import choose
 from mamo_core.errors import InputError, suggestion
 from mamo_core.plugins import Registry, discover
 from mamo_core.problems import problem_from_document

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from mamo_core.compose import BuildContext, build_component
+from mamo_core.build_context import BuildContext
+from mamo_core.compose import build_component
 from mamo_core.interfaces.renderer import Renderer
 from mamo_core.plugins import Registry
 from mamo_core.robots import load_arm

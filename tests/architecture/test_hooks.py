@@ -4,8 +4,8 @@ import inspect
 
 import pytest
 
+from mamo_core.choices import BUILD_ORDER
 from mamo_core.cli import workbench
-from mamo_core.compose import BUILD_ORDER
 from mamo_core.hookspecs import HOOK_OF_ROLE, HookSpecs
 from mamo_core.recipes import ROLES, SEVERAL, Recipe
 from mamo_core.view import renderers

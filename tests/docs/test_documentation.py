@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from mamo_core.compose import choose, compose
+from mamo_core.choices import choose
+from mamo_core.compose import compose
 from mamo_core.config import load_text
 from mamo_core.errors import InputError
 from mamo_core.plugins import discover

@@ -6,7 +6,8 @@ import inspect
 from collections.abc import Iterator
 from inspect import getdoc
 
-from mamo_core.compose import BUILD_ORDER, BuildContext
+from mamo_core.build_context import BuildContext
+from mamo_core.choices import BUILD_ORDER
 from mamo_core.hookspecs import HOOK_OF_ROLE, Component, HookSpecs
 from reference_pages.markdown import page, prose
 from reference_pages.signatures import class_block, function_block
@@ -26,7 +27,7 @@ def hooks_page() -> str:
         *_hooks(),
         *("## What a hook returns", "Of `mamo_core.hookspecs`:", class_block(Component)),
         prose(getdoc(Component) or ""),
-        *("## What a build function receives", "Of `mamo_core.compose`:"),
+        *("## What a build function receives", "Of `mamo_core.build_context`:"),
         *(class_block(BuildContext), prose(getdoc(BuildContext) or "")),
         f"Parts are built in the order {order}.",
     )

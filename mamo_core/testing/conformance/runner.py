@@ -11,7 +11,8 @@ from enum import StrEnum
 from functools import partial
 from typing import Any
 
-from mamo_core.compose import BuildContext, build_component
+from mamo_core.build_context import BuildContext
+from mamo_core.compose import build_component
 from mamo_core.hookspecs import Component
 from mamo_core.interfaces.constraint import InteractionConstraint
 from mamo_core.interfaces.transition_model import TransitionModel

@@ -9,7 +9,7 @@ from mamo_core.hookspecs import Component, hookimpl
 from mamo_geometry.options import KinematicsOptions, RRTConnectOptions, SphereCheckerOptions
 
 if TYPE_CHECKING:
-    from mamo_core.compose import BuildContext
+    from mamo_core.build_context import BuildContext
 
 
 def _kinematics(context: BuildContext, options: KinematicsOptions) -> Any:

@@ -11,7 +11,7 @@ from mamo_core.hookspecs import Component, NoOptions, hookimpl
 from mamo_mujoco.options import MuJoCoOptions
 
 if TYPE_CHECKING:
-    from mamo_core.compose import BuildContext
+    from mamo_core.build_context import BuildContext
 
 
 def _build(context: BuildContext, options: MuJoCoOptions) -> Any:

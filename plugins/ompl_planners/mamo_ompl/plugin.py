@@ -11,7 +11,7 @@ from mamo_ompl.kinds import KINDS, Kind
 from mamo_ompl.options import OmplOptions
 
 if TYPE_CHECKING:
-    from mamo_core.compose import BuildContext
+    from mamo_core.build_context import BuildContext
 
 
 def _arm_planner(kind: Kind, context: BuildContext, options: OmplOptions) -> Any:

@@ -24,8 +24,8 @@ from mamo_planners.search.options import (
 if TYPE_CHECKING:
     import numpy as np
 
+    from mamo_core.build_context import BuildContext
     from mamo_core.cli.workbench import Workbench
-    from mamo_core.compose import BuildContext
     from mamo_core.types.motion import Motion
     from mamo_core.types.scene import SceneState
     from mamo_core.types.solution import Budget, Statistics

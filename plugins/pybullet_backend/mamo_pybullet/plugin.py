@@ -10,7 +10,7 @@ from mamo_core.hookspecs import Component, hookimpl
 from mamo_pybullet.options import PyBulletOptions
 
 if TYPE_CHECKING:
-    from mamo_core.compose import BuildContext
+    from mamo_core.build_context import BuildContext
 
 
 def _build(context: BuildContext, options: PyBulletOptions) -> Any:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from pydantic import Field
 
-from mamo_core.compose import BUILD_ORDER, build_parts, choose, compose
+from mamo_core.choices import BUILD_ORDER, choose
+from mamo_core.compose import build_parts, compose
 from mamo_core.config import load_text
 from mamo_core.errors import InputError, PluginError
 from mamo_core.hookspecs import HOOK_OF_ROLE, Component, Options

@@ -8,7 +8,8 @@ import pytest
 from mamo_planners.actions.pick_place import PickPlace
 from mamo_planners.options import PickPlaceOptions
 
-from mamo_core.compose import build_parts, choose
+from mamo_core.choices import choose
+from mamo_core.compose import build_parts
 from mamo_core.interfaces.action_generator import ActionRequest
 from mamo_core.plugins import discover
 from mamo_core.recipe_sets import chosen_recipe

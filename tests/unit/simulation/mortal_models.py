@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from mamo_core.compose import BuildContext
+from mamo_core.build_context import BuildContext
 from mamo_core.hookspecs import Component, Options, hookimpl
 from mamo_core.interfaces.transition_model import TransitionModel
 from mamo_core.simulation.isolated import isolated

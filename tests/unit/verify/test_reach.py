@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mamo_core.choices import choose
 from mamo_core.classify import REACH_ROLES, class_of, make_classifier
-from mamo_core.compose import build_parts, choose
+from mamo_core.compose import build_parts
 from mamo_core.errors import InputError
 from mamo_core.plugins import discover
 from mamo_core.recipes import find_recipe, load_recipe

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mamo_core.compose import BuildContext, compose
+from mamo_core.build_context import BuildContext
+from mamo_core.compose import compose
 from mamo_core.config import load_file
 from mamo_core.interfaces.action_generator import ActionGenerator, ActionRequest
 from mamo_core.plugins import discover

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mamo_core.compose import BuildContext, build_component
+from mamo_core.build_context import BuildContext
+from mamo_core.compose import build_component
 from mamo_core.interfaces.transition_model import TransitionModel
 from mamo_core.plugins import discover
 from mamo_core.testing.conformance.pytest_suite import BackendConformance

@@ -9,7 +9,7 @@ from mamo_core.hookspecs import Component, hookimpl
 from mamo_my_search.search import MySearch, MySearchOptions
 
 if TYPE_CHECKING:
-    from mamo_core.compose import BuildContext
+    from mamo_core.build_context import BuildContext
 
 
 def build(context: BuildContext, options: MySearchOptions) -> MySearch:

@@ -10,7 +10,7 @@ from mamo_core.hookspecs import Component
 from mamo_planners.baselines.sampling.options import K3Options, KpieceOptions, RrtOptions
 
 if TYPE_CHECKING:
-    from mamo_core.compose import BuildContext
+    from mamo_core.build_context import BuildContext
     from mamo_core.types.solution import Plan
     from mamo_planners.baselines.sampling.growth import Growth, Node
     from mamo_planners.reaching.stand import ReachingParts
