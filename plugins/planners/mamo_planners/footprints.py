@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +20,13 @@ def extent_along(shape: Shape, pose: Array, direction: Array) -> float:
     v = abs(-s * direction[0] + c * direction[1])
     sides = [shape.size[k] / 2.0 / w for k, w in ((0, u), (1, v)) if w > 1e-9]
     return float(min(sides))
+
+
+def grown(shape: Shape, margin: float) -> Shape:
+    """The shape with ``margin`` (m) around it, as seen from above."""
+    if isinstance(shape, Box):
+        return Box(shape.size + 2.0 * margin * np.array([1.0, 1.0, 0.0]))
+    return replace(shape, radius=shape.radius + margin)
 
 
 class Outlines:

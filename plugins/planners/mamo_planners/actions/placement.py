@@ -8,7 +8,6 @@ import numpy.typing as npt
 from mamo_core.types.geometry import (
     Array,
     BoolArray,
-    Box,
     Cylinder,
     Shape,
     footprint_corners,
@@ -18,7 +17,7 @@ from mamo_core.types.geometry import (
 )
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.scene import Scene
-from mamo_planners.footprints import Outlines
+from mamo_planners.footprints import Outlines, grown
 
 _CYLINDER_TURNS = (0.0, 0.5, -0.5, 1.0, -1.0)
 
@@ -49,7 +48,7 @@ class FreeSpots:
     def __init__(self, scene: Scene, object_poses: Array, number: int, margin: float) -> None:
         """``margin`` (m): the distance kept from other objects and from the workspace's sides."""
         self._shape, self._pose = scene.objects[number].shape, object_poses[number]
-        wide = _grown(self._shape, margin)
+        wide = grown(self._shape, margin)
         self._outline = footprint_corners(wide, self._pose) - self._pose[:2]
         others = [i for i in range(len(scene.objects)) if i != number]
         outlines = [footprint_corners(scene.objects[i].shape, object_poses[i]) for i in others]
@@ -100,9 +99,3 @@ class FreeSpots:
 def _reach(outline: Array, center: Array) -> float:
     """Radius (m) about ``center`` (2,) that holds an outline (k, 2)."""
     return float(np.linalg.norm(outline - center, axis=1).max())
-
-
-def _grown(shape: Shape, margin: float) -> Shape:
-    if isinstance(shape, Box):
-        return Box(shape.size + 2.0 * margin * np.array([1.0, 1.0, 0.0]))
-    return Cylinder(shape.radius + margin, shape.height)

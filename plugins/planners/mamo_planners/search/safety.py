@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from mamo_core.types.geometry import Array, Box, Shape, footprint_corners
+from mamo_core.types.geometry import Array, Shape, footprint_corners
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import RolloutResult
 from mamo_core.types.scene import Mobility
-from mamo_planners.footprints import Outlines
+from mamo_planners.footprints import Outlines, grown
 
 
 class SafetyMargin:
@@ -20,7 +18,7 @@ class SafetyMargin:
         self._objects, self._margin = objects, margin
         self._guarded = Outlines(
             [
-                footprint_corners(_grown(item.shape, margin), pose)
+                footprint_corners(grown(item.shape, margin), pose)
                 for item, pose in zip(objects, poses, strict=True)
                 if item.mobility is not Mobility.MOVABLE
             ]
@@ -40,9 +38,3 @@ class SafetyMargin:
 
     def _near(self, shape: Shape, pose: Array) -> bool:
         return bool(self._guarded.overlapped(footprint_corners(shape, pose)[None])[0])
-
-
-def _grown(shape: Shape, margin: float) -> Shape:
-    if isinstance(shape, Box):
-        return Box(shape.size + 2.0 * margin)
-    return replace(shape, radius=shape.radius + margin)
