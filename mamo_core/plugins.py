@@ -14,6 +14,7 @@ import pluggy
 
 from mamo_core.errors import InputError, PluginError, suggestion
 from mamo_core.hookspecs import ENTRY_POINT_GROUP, HOOK_OF_ROLE, Component, HookSpecs, Options
+from mamo_core.stale_kernels import forget_stale_kernels, package_folders
 
 WARM_UP = "warm_up"
 """Optional function without arguments in a plugin's module: compiles or caches what is slow."""
@@ -73,8 +74,12 @@ class _DisableError(Exception):
 
 
 def discover() -> Registry:
-    """The registry of everything installed under the entry-point group ``mamo``."""
+    """The registry of everything installed under the entry-point group ``mamo``.
+
+    What was compiled before a kernel changed is forgotten first.
+    """
     found = sorted(entry_points(group=ENTRY_POINT_GROUP), key=_own_first)
+    forget_stale_kernels(package_folders([__name__, *(entry.module for entry in found)]))
     return make_registry([(entry.name, partial(_load, entry)) for entry in found])
 
 
