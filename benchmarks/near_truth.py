@@ -5,8 +5,8 @@
 
 A plan that is replayed once holds or not, which says little: of pushes, a hair's breadth decides.
 So each plan file is replayed several times, every mass and friction drawn anew about the problem's
-own (normal, ``--spread`` its standard deviation as a share). Plans without actions are replayed
-once. The last row is the mean.
+own as samples of robust planners are (``--spread``: standard deviation, as a share). Plans without
+actions are replayed once. The last row is the mean.
 """
 
 from __future__ import annotations
@@ -16,19 +16,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from mamo_planners.search.options import Uncertainty
+from mamo_planners.search.uncertainty import sampled
 
-from mamo_core.choices import choose
-from mamo_core.compose import build_parts, make_verifier
-from mamo_core.config import Located
 from mamo_core.plan_file import read_plan
 from mamo_core.plugins import Registry, discover
-from mamo_core.recipes import load_recipe
-from mamo_core.types.rollout import ParameterOverrides
-from mamo_core.types.scene import Mobility, Scene
+from mamo_core.study.replay import verifier_of
 from mamo_core.warmup import load_kernels
-
-_LEAST = 0.5
-"""No mass or friction is less than this share of the problem's."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -55,23 +49,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def share_that_holds(path: Path, registry: Registry, times: int, spread: float) -> float:
     """The share of replays in which nothing fails; the same for the same file."""
     document = read_plan(path)
-    recipe = load_recipe(Located(dict(document.recipe), f"{path}: recipe"))
-    choices = choose(recipe, document.problem, registry, ("constraint", "backend"))
-    verify = make_verifier(build_parts(choices, document.problem))
-    rng = np.random.default_rng(0)
-    draws = [drawn(document.problem.scene, spread, rng) for _ in range(times)]
+    about = Uncertainty(simulators=times, copies=1, mass_spread=spread, friction_spread=spread)
+    draws = sampled(document.problem.scene, about, np.random.default_rng(0))
+    verify = verifier_of(document, registry)
     some = draws if document.plan.actions else draws[:1]
     return float(np.mean([verify(document.plan, values).ok for values in some]))
-
-
-def drawn(scene: Scene, spread: float, rng: np.random.Generator) -> ParameterOverrides:
-    """Masses and frictions of all that can move."""
-    loose = [o for o in scene.objects if o.mobility is not Mobility.IMMOVABLE]
-    factors = np.maximum(_LEAST, 1.0 + spread * rng.standard_normal((2, len(loose)))).tolist()
-    return ParameterOverrides(
-        {o.name: factor * o.mass for o, factor in zip(loose, factors[0], strict=True)},
-        {o.name: factor * o.friction for o, factor in zip(loose, factors[1], strict=True)},
-    )
 
 
 if __name__ == "__main__":

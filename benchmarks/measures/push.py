@@ -10,6 +10,7 @@ from mamo_planners.search.abstraction import mapf_problem
 from mamo_planners.search.options import GreedyOptions
 
 from mamo_core.build_context import BuildContext
+from mamo_core.choices import BUILD_ORDER
 from mamo_core.interfaces.action_generator import ActionRequest
 from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.plugins import Registry
@@ -22,16 +23,7 @@ MOVABLES = 10
 """With 4 immovables and the target: 15 objects."""
 PUSHES = 30
 PER_OBJECT = 2
-ROLES = (
-    "constraint",
-    "backend",
-    "kinematics",
-    "collision",
-    "arm_planner",
-    "retrieval",
-    "mapf",
-    "action",
-)
+ROLES = tuple(role for role in BUILD_ORDER if role not in ("accept_in", "search"))
 
 
 def measure(registry: Registry) -> Measured:
