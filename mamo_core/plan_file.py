@@ -186,8 +186,7 @@ def _check_fits(plan: Plan, problem: Problem) -> None:
             columns = segment.trajectory.positions.shape[1]
             if columns != joints:
                 raise ValueError(f"a trajectory of {columns} joints, the robot has {joints}")
-            if segment.held is not None and segment.held not in names:
-                unknown.add(segment.held)
+            unknown |= {segment.held, segment.closes_on} - {None, *names}
     if unknown:
         raise ValueError(f"no objects {sorted(unknown)} in the problem (valid: {names})")
 
@@ -217,6 +216,7 @@ def _segment_data(segment: MotionSegment) -> dict[str, Any]:
         "held": segment.held,
         "contact_free": segment.contact_free,
         "settle": segment.settle,
+        "closes_on": segment.closes_on,
     }
 
 
@@ -247,6 +247,7 @@ def _segment(item: SegmentDocument) -> MotionSegment:
         held=item.held,
         contact_free=item.contact_free,
         settle=item.settle,
+        closes_on=item.closes_on,
     )
 
 

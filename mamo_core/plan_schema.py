@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mamo_core.types.motion import SegmentKind
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 
 
 class _Document(BaseModel):
@@ -25,6 +25,7 @@ class SegmentDocument(_Document):
     held: str | None = Field(description="object attached to the tool")
     contact_free: bool = Field(description="nothing but the held object may touch the arm")
     settle: float = Field(ge=0.0, description="longest wait for objects to rest, s")
+    closes_on: str | None = Field(description="object the fingers close on, or let go of")
 
 
 class MotionDocument(_Document):
@@ -58,7 +59,7 @@ class RegionDocument(_Document):
 class PlanFile(_Document):
     """A verified plan that replays itself."""
 
-    schema_version: Literal[1] = Field(description="version of this format")
+    schema_version: Literal[2] = Field(description="version of this format")
     problem: dict[str, Any] = Field(description="a problem document")
     recipe: dict[str, Any] = Field(description="the recipe it was planned with")
     seed: int = Field(description="seed of the search")

@@ -51,6 +51,8 @@ def build_arm(spec: ArmSpec, folder: Path) -> ArmModel:
         lower=np.array([j.lower for j in arm_joints]),
         upper=np.array([j.upper for j in arm_joints]),
         velocity=np.array([j.velocity for j in arm_joints]),
+        acceleration=np.array(spec.acceleration),
+        jerk=np.array(spec.jerk),
         effort=np.array([j.effort for j in arm_joints]),
         links=links,
         tool_link=int(tool_frame.parentJoint) - 1,
@@ -178,7 +180,12 @@ def _gripper(
         rows.append((gap, drive))
     table = np.array(rows)
     rising = np.concatenate([[True], np.diff(np.maximum.accumulate(table[:, 0])) > 1e-6])
-    return GripperModel(drive_of_opening=table[rising], depth=spec.finger_zone)
+    return GripperModel(
+        drive_of_opening=table[rising],
+        depth=spec.finger_zone,
+        speed=spec.gripper_speed,
+        force=spec.gripper_force,
+    )
 
 
 def _ahead_of(hull: Any, x: float) -> Array:

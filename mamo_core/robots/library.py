@@ -103,11 +103,18 @@ def _read(folder: Path) -> ArmModel:
         lower=_array(data["lower"]),
         upper=_array(data["upper"]),
         velocity=_array(data["velocity"]),
+        acceleration=_array(data["acceleration"]),
+        jerk=_array(data["jerk"]),
         effort=_array(data["effort"]),
         links=tuple(_link(item, folder) for item in data["links"]),
         tool_link=data["tool_link"],
         T_link_tool=_array(data["T_link_tool"]),
-        gripper=GripperModel(_array(gripper["drive_of_opening"]), gripper["depth"]),
+        gripper=GripperModel(
+            _array(gripper["drive_of_opening"]),
+            gripper["depth"],
+            gripper["speed"],
+            gripper["force"],
+        ),
         home=_array(data["home"]),
         body=tuple(
             BodyBox(b["name"], _array(b["T_base_box"]), _array(b["size"]), b["first_link"])

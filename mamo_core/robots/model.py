@@ -43,10 +43,13 @@ class GripperModel:
     """``drive_of_opening`` (k, 2): opening (m) and the finger joints' position, both increasing.
 
     ``depth``: how far (m) the space between the fingers reaches back from the tool frame.
+    ``speed``: fastest change of the opening, m/s. ``force``: the most each finger presses with, N.
     """
 
     drive_of_opening: Array
     depth: float
+    speed: float
+    force: float
 
     @property
     def closed(self) -> float:
@@ -83,13 +86,18 @@ class BodyBox:
 
 @dataclass(frozen=True, eq=False)
 class ArmModel:
-    """An arm with a gripper. Joint arrays are (dof,), rad, rad/s and N m (or m, m/s, N)."""
+    """An arm with a gripper.
+
+    Joint arrays are (dof,): rad, rad/s, rad/s^2, rad/s^3 and N m (or m and N, where a joint slides).
+    """
 
     name: str
     joint_names: tuple[str, ...]
     lower: Array
     upper: Array
     velocity: Array
+    acceleration: Array
+    jerk: Array
     effort: Array
     links: tuple[LinkModel, ...]
     tool_link: int

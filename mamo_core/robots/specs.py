@@ -18,7 +18,8 @@ class ArmSpec:
     ``locked``: positions of other joints that matter (the rest stay at 0). ``tool_link`` is a URDF
     link; ``T_link_tool`` (4, 4) puts x along the fingers and y along their opening. ``cover_slack``
     (m), by link: how far planning spheres may reach beyond the surface; ``finger_slack`` that of
-    the fingers, which work close to things. ``body_links``: parts of
+    the fingers, which work close to things. ``acceleration``, ``jerk``: of each of ``joints``, from
+    data sheets. ``gripper_speed``: of the opening, m/s; ``gripper_force``: of each finger, N. ``body_links``: parts of
     the robot the arm may hit from link number ``body_first_link`` on. ``finger_zone``: the stretch
     (m, behind the tool frame) in which the gap between the fingers is measured.
     """
@@ -34,6 +35,10 @@ class ArmSpec:
     finger_zone: float
     cover_slack: Mapping[str, float]
     finger_slack: float
+    acceleration: tuple[float, ...]
+    jerk: tuple[float, ...]
+    gripper_speed: float
+    gripper_force: float
     locked: Mapping[str, float] = field(default_factory=dict)
     body_links: tuple[str, ...] = ()
     body_first_link: int = 3
@@ -83,6 +88,10 @@ PR2_RIGHT_ARM = ArmSpec(
         "r_wrist_roll_joint": 0.007,
     },
     finger_slack=0.005,
+    acceleration=(5.0, 5.0, 8.0, 8.0, 9.0, 7.5, 9.0),
+    jerk=(100.0, 100.0, 160.0, 160.0, 180.0, 150.0, 180.0),
+    gripper_speed=0.1,
+    gripper_force=50.0,
     locked={"torso_lift_joint": 0.1},
     body_links=("base_link", "torso_lift_link"),
 )
@@ -107,6 +116,10 @@ PANDA = ArmSpec(
         "panda_joint7": 0.01,
     },
     finger_slack=0.005,
+    acceleration=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
+    jerk=(7500.0, 3750.0, 5000.0, 6250.0, 7500.0, 10000.0, 10000.0),
+    gripper_speed=0.1,
+    gripper_force=70.0,
     body_links=("panda_link0",),
 )
 

@@ -56,7 +56,8 @@ class MotionSegment:
 
     ``opening``: gap between the fingers (m) commanded at the end of the segment, reached linearly
     in time. ``held``: object attached to the tool during the segment; it is attached where it is
-    when the segment starts. ``contact_free``: nothing but the held object may touch the arm.
+    when the segment starts. ``closes_on``: object the fingers close on, or let go of, during the
+    segment, which they may touch from then on. ``contact_free``: nothing but the held object may touch the arm.
     ``settle``: the longest time (s) to wait afterwards until every object rests.
     """
 
@@ -66,6 +67,7 @@ class MotionSegment:
     held: str | None = None
     contact_free: bool = False
     settle: float = 0.0
+    closes_on: str | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -102,7 +102,7 @@ def test_round_trip_bit_for_bit(tmp_path):
 def test_the_text_is_sorted_json_without_times():
     data = json.loads(plan_text(make_document()))
     assert list(data) == sorted(data)
-    assert data["schema_version"] == 1
+    assert data["schema_version"] == 2
     assert "seconds" not in data
     assert {"mamo", "numpy"} <= set(data["versions"])
 
@@ -154,7 +154,7 @@ def test_empty(tmp_path):
 @pytest.mark.parametrize(
     ("path", "value", "expected"),
     [
-        (["schema_version"], 2, "schema_version: 2, expected 1"),
+        (["schema_version"], 1, "schema_version: 1, expected 2"),
         (["seed"], "3", "seed: '3', expected a whole number"),
         (["sead"], 3, "unknown key 'sead'; did you mean 'seed'?"),
         (["status"], "maybe", "status: 'maybe', expected 'solved'"),
