@@ -186,7 +186,8 @@ def _check_fits(plan: Plan, problem: Problem) -> None:
             columns = segment.trajectory.positions.shape[1]
             if columns != joints:
                 raise ValueError(f"a trajectory of {columns} joints, the robot has {joints}")
-            unknown |= {segment.held, segment.closes_on} - {None, *names}
+            handled = (segment.held, segment.closes_on)
+            unknown |= {name for name in handled if name is not None and name not in names}
     if unknown:
         raise ValueError(f"no objects {sorted(unknown)} in the problem (valid: {names})")
 

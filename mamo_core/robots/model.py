@@ -88,7 +88,7 @@ class BodyBox:
 class ArmModel:
     """An arm with a gripper.
 
-    Joint arrays are (dof,): rad, rad/s, rad/s^2, rad/s^3 and N m (or m and N, where a joint slides).
+    Joint arrays are (dof,): rad, rad/s, rad/s^2, rad/s^3 and N m (or m and N where a joint slides).
     """
 
     name: str

@@ -19,9 +19,10 @@ class ArmSpec:
     link; ``T_link_tool`` (4, 4) puts x along the fingers and y along their opening. ``cover_slack``
     (m), by link: how far planning spheres may reach beyond the surface; ``finger_slack`` that of
     the fingers, which work close to things. ``acceleration``, ``jerk``: of each of ``joints``, from
-    data sheets. ``gripper_speed``: of the opening, m/s; ``gripper_force``: of each finger, N. ``body_links``: parts of
-    the robot the arm may hit from link number ``body_first_link`` on. ``finger_zone``: the stretch
-    (m, behind the tool frame) in which the gap between the fingers is measured.
+    data sheets. ``gripper_speed``: of the opening, m/s; ``gripper_force``: of each finger, N.
+    ``body_links``: parts of the robot the arm may hit from link number ``body_first_link`` on.
+    ``finger_zone``: the stretch (m, behind the tool frame) in which the gap between the fingers is
+    measured.
     """
 
     name: str

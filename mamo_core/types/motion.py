@@ -56,9 +56,9 @@ class MotionSegment:
 
     ``opening``: gap between the fingers (m) commanded at the end of the segment, reached linearly
     in time. ``held``: object attached to the tool during the segment; it is attached where it is
-    when the segment starts. ``closes_on``: object the fingers close on, or let go of, during the
-    segment, which they may touch from then on. ``contact_free``: nothing but the held object may touch the arm.
-    ``settle``: the longest time (s) to wait afterwards until every object rests.
+    when the segment starts. ``contact_free``: nothing but the held object may touch the arm.
+    ``settle``: the longest time (s) to wait afterwards until every object rests. ``closes_on``:
+    object the fingers close on, or let go of, during the segment: they may touch it meanwhile.
     """
 
     kind: SegmentKind
