@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from mamo_core.types.geometry import Array, BoolArray, IntArray
-from mamo_core.types.rollout import NO_CONTACTS
+from mamo_core.types.rollout import NO_CONTACTS, NO_DEPTHS
 
 
 @njit(cache=True)
@@ -15,13 +15,15 @@ def within(
     z_axes: Array,
     velocities: Array,
     contacts: IntArray,
+    depths: Array,
     bounds: Array,
     forbidden: BoolArray,
+    deepest: float,
 ) -> bool:
     """Whether a step is within some limits.
 
     ``bounds`` (n, 6), of each object: lowest height, axis, least cosine, largest square of the
-    speed. ``forbidden`` (e, e). The rest is as in ``StepObservation``.
+    speed. ``forbidden`` (e, e). ``deepest``: m. The rest is as in ``StepObservation``.
     """
     for i in range(positions.shape[0]):
         if bounds[i, 0] - positions[i, 2] > 0.0:
@@ -32,8 +34,8 @@ def within(
             square += velocities[i, k] ** 2
         if cosine < bounds[i, 4] or square > bounds[i, 5]:
             return False
-    for n in range(contacts.shape[0]):  # noqa: SIM110
-        if forbidden[contacts[n, 0], contacts[n, 1]]:
+    for n in range(contacts.shape[0]):
+        if forbidden[contacts[n, 0], contacts[n, 1]] or depths[n] > deepest:
             return False
     return True
 
@@ -52,7 +54,7 @@ def warm_up() -> None:
     rows, bounds = np.zeros((2, 3)), np.zeros((2, 6))
     forbidden = np.zeros((1, 1), dtype=np.bool_)
     for positions in (rows, np.zeros((2, 7))[:, :3]):
-        within(positions, rows, rows, NO_CONTACTS, bounds, forbidden)
+        within(positions, rows, rows, NO_CONTACTS, NO_DEPTHS, bounds, forbidden, 0.0)
     writable, frozen = np.zeros(1), np.zeros(1)
     frozen.flags.writeable = False
     largest_gap(writable, writable)

@@ -20,6 +20,7 @@ class Limits:
     z axes are compared with, and ``cosine``, the least of the angle between; ``square``, the
     largest of their speeds, m^2/s^2. ``forbidden`` (1 + n, e, e): pairs of entity numbers, in
     ascending order, that may not touch: while nothing is held, while object 0 is held, and so on.
+    ``deepest``: how far things may reach into each other, m.
     """
 
     lowest: Array
@@ -27,6 +28,7 @@ class Limits:
     cosine: float
     square: float
     forbidden: BoolArray
+    deepest: float
 
 
 class LimitedConstraint(InteractionConstraint):
@@ -47,6 +49,7 @@ def unlimited(problem: Problem) -> Limits:
         cosine=-np.inf,
         square=np.inf,
         forbidden=np.zeros((1 + objects, entities, entities), dtype=np.bool_),
+        deepest=np.inf,
     )
 
 
@@ -58,4 +61,5 @@ def tightest(limits: Sequence[Limits]) -> Limits:
         cosine=max(one.cosine for one in limits),
         square=min(one.square for one in limits),
         forbidden=np.any([one.forbidden for one in limits], axis=0),
+        deepest=min(one.deepest for one in limits),
     )

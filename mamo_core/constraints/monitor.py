@@ -26,18 +26,20 @@ class ConstraintMonitor:
         limits = [c.limits for c in constraints if isinstance(c, LimitedConstraint)]
         self._limited = bool(limits)
         if limits:
-            self._bounds, self._forbidden = _laid_out(tightest(limits))
+            tight = tightest(limits)
+            self._bounds, self._forbidden = _laid_out(tight)
+            self._deepest = tight.deepest
         self._active: frozenset[tuple[str, str, str | None]] = frozenset()
         self.violations: list[Violation] = []
 
-    def limits(self, held: int) -> tuple[Array, BoolArray] | None:
-        """Bounds and forbidden pairs that ``within`` takes: no step in them has to be seen.
+    def limits(self, held: int) -> tuple[Array, BoolArray, float] | None:
+        """What ``within`` takes: no step within these has to be seen.
 
         None if somebody wants to see all.
         """
         if self._others or not self._limited:
             return None
-        return self._bounds, self._forbidden[1 + held]
+        return self._bounds, self._forbidden[1 + held], self._deepest
 
     def passed(self) -> None:
         """At least one step within the limits was not shown: nothing is broken any more."""
@@ -45,9 +47,9 @@ class ConstraintMonitor:
 
     def see(self, step: StepObservation) -> bool:
         """Take one step in; True if anything new is broken."""
-        _, positions, z_axes, velocities, contacts, held = step
         harmless = not self._limited or within(
-            positions, z_axes, velocities, contacts, self._bounds, self._forbidden[1 + held]
+            *(step.positions, step.z_axes, step.velocities, step.contacts, step.depths),
+            *(self._bounds, self._forbidden[1 + step.held], self._deepest),
         )
         asked = self._others if harmless else self._constraints
         if not asked and not self._active:

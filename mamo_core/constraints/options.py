@@ -44,3 +44,11 @@ class BoundsOptions(Options):
     drop: float = Field(
         0.05, gt=0.0, description="an object's centre this far below its start height fell, m"
     )
+
+
+class PenetrationOptions(Options):
+    """Options of ``penetration``."""
+
+    limit: float = Field(
+        0.002, gt=0.0, description="how far two things may reach into each other, m"
+    )

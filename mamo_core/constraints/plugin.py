@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from mamo_core.constraints.options import (
     BoundsOptions,
     ContactOptions,
+    PenetrationOptions,
     SpeedOptions,
     TiltOptions,
 )
@@ -41,14 +42,23 @@ def _bounds(context: BuildContext, options: BoundsOptions) -> Any:
     return BoundsConstraint(context.problem, options)
 
 
+def _penetration(context: BuildContext, options: PenetrationOptions) -> Any:
+    from mamo_core.constraints.standard import PenetrationConstraint
+
+    return PenetrationConstraint(context.problem, options)
+
+
 @hookimpl
 def mamo_constraints() -> Iterable[Component]:
-    """Contact, tilt, speed and bounds."""
+    """Contact, tilt, speed, bounds and penetration."""
     return [
         Component("contact", _contact, ContactOptions, "no contact with immovables or the target"),
         Component("tilt", _tilt, TiltOptions, "objects stay upright"),
         Component("speed", _speed, SpeedOptions, "objects stay slow"),
         Component("bounds", _bounds, BoundsOptions, "objects do not fall"),
+        Component(
+            "penetration", _penetration, PenetrationOptions, "nothing is pressed into anything"
+        ),
     ]
 
 

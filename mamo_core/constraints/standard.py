@@ -10,7 +10,12 @@ from dataclasses import replace
 import numpy as np
 
 from mamo_core.constraints.limits import LimitedConstraint, unlimited
-from mamo_core.constraints.options import BoundsOptions, SpeedOptions, TiltOptions
+from mamo_core.constraints.options import (
+    BoundsOptions,
+    PenetrationOptions,
+    SpeedOptions,
+    TiltOptions,
+)
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ROBOT, StepObservation, Violation
 from mamo_core.types.scene import Mobility
@@ -123,4 +128,27 @@ class BoundsConstraint(LimitedConstraint):
                 self._drop,
             )
             for i in np.flatnonzero((below > 0.0) & (np.arange(below.size) != step.held))
+        ]
+
+
+class PenetrationConstraint(LimitedConstraint):
+    """Nothing reaches farther than ``limit`` into something else: contacts of engines are soft."""
+
+    name = "penetration"
+
+    def __init__(self, problem: Problem, options: PenetrationOptions) -> None:
+        self._entities = problem.scene.entities
+        self._limit = options.limit
+        self.limits = replace(unlimited(problem), deepest=options.limit)
+
+    def violations(self, step: StepObservation) -> list[Violation]:
+        deepest: dict[tuple[int, int], float] = {}
+        for (a, b), depth in zip(step.contacts.tolist(), step.depths.tolist(), strict=True):
+            if depth > self._limit:
+                deepest[a, b] = max(depth, deepest.get((a, b), 0.0))
+        return [
+            Violation(
+                self.name, self._entities[a], self._entities[b], step.time, depth, self._limit
+            )
+            for (a, b), depth in sorted(deepest.items())
         ]

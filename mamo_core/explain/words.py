@@ -59,6 +59,7 @@ CAUSES: dict[str, str] = {
     "tilt": "it tips over",
     "speed": "it becomes too fast",
     "bounds": "it falls",
+    "penetration": "something is pressed into something else",
     "unmoved": "it does not move",
     "too_close": "it ends too close to what must not be touched",
     "arm_blocked_after": "the arm ends in collision",
@@ -81,6 +82,7 @@ INVOLVED: dict[str, str] = {
     "tilt": "{} tips over",
     "speed": "{} becomes too fast",
     "bounds": "{} falls",
+    "penetration": "{} is pressed into something",
     "stalled": "the arm stalls at {}",
 }
 """Where somebody else is involved; other causes read the same."""

@@ -170,6 +170,7 @@ class _Run:
                 z_axes=z_axes(poses),
                 velocities=(poses[:, :3] - before) / max(elapsed, 1e-9),
                 contacts=np.array(sorted(contacts), dtype=np.int64) if contacts else NO_CONTACTS,
+                depths=np.zeros(len(contacts)),
                 held=held,
             )
         )

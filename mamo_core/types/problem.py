@@ -62,8 +62,10 @@ DEFAULT_CONSTRAINTS: tuple[ConstraintSpec, ...] = (
     ConstraintSpec("tilt"),
     ConstraintSpec("speed"),
     ConstraintSpec("bounds"),
+    ConstraintSpec("penetration"),
 )
-"""Nobody touches immovables, nothing tilts, rushes or falls (thesis 2.3.2)."""
+"""Nobody touches immovables, nothing tilts, rushes or falls (thesis 2.3.2), or is pressed into
+anything."""
 
 
 @dataclass(frozen=True, eq=False)

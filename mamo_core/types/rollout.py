@@ -19,8 +19,9 @@ class StepObservation(NamedTuple):
     """What every engine shows the constraints after every step: a tuple, as that is made quickly.
 
     ``positions`` (n, 3) m and ``z_axes`` (n, 3), world; ``velocities`` (n, 3) m/s of the centres;
-    ``contacts`` (k, 2) entity numbers, each pair in ascending order; ``held``: place of the
-    attached object, or -1.
+    ``contacts`` (k, 2) entity numbers, each pair in ascending order; ``depths`` (k,): how far they
+    reach into each other, m, 0 or less where they only touch; ``held``: place of the object in the
+    hand, or -1.
     """
 
     time: float
@@ -28,6 +29,7 @@ class StepObservation(NamedTuple):
     z_axes: Array
     velocities: Array
     contacts: IntArray
+    depths: Array
     held: int = -1
 
 
@@ -35,13 +37,15 @@ class Watch(NamedTuple):
     """Which steps nobody has to look at; a world that passes over some notes what touched in them.
 
     After such a step everything is ``within`` (``mamo_core.constraints.kernels``) ``bounds`` (n, 6)
-    and ``forbidden`` (e, e), and no joint is more than ``lag`` (rad) from where it should be.
+    and ``forbidden`` (e, e), nothing reaches deeper than ``deepest`` (m) into something else, and
+    no joint is more than ``lag`` (rad) from where it should be.
     ``touched`` (e, e): gets True at the pairs, in ascending order, that touch. A tuple, which
     compiled code can take.
     """
 
     bounds: Array
     forbidden: BoolArray
+    deepest: float
     lag: float
     touched: BoolArray
 
@@ -123,3 +127,6 @@ class RolloutResult:
 
 NO_CONTACTS: IntArray = np.zeros((0, 2), dtype=np.int64)
 """An observation without contacts."""
+
+NO_DEPTHS: Array = np.zeros(0)
+"""And their depths."""

@@ -11,7 +11,7 @@ from mamo_core.interfaces.simulated_world import SimulatedWorld
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array, IntArray, matrix_from_pose, pose_from_matrix, z_axes
 from mamo_core.types.problem import Problem
-from mamo_core.types.rollout import NO_CONTACTS, ParameterOverrides, StepObservation
+from mamo_core.types.rollout import NO_CONTACTS, NO_DEPTHS, ParameterOverrides, StepObservation
 from mamo_core.types.scene import SceneState
 from mamo_dart.options import DARTOptions
 from mamo_dart.world import build, load_robot, values_of
@@ -36,17 +36,18 @@ class DARTWorld(SimulatedWorld):
         self._problem, self._arm, self._options = problem, arm, options
         self._values = values_of(problem, parameters)
         self._robot = load_robot(problem, arm, options)
-        self._parts = build(problem, arm, options, self._values, self._robot)
-        self.time_step = options.time_step
         self._poses = np.array(problem.initial.object_poses)
+        self._parts = build(problem, arm, options, self._values, self._robot, self._poses)
+        self.time_step = options.time_step
         self._weld: Any = None
-        self._contacts, self._unseen = NO_CONTACTS, 0
+        self._contacts, self._depths, self._unseen = NO_CONTACTS, NO_DEPTHS, 0
 
     def reset(self, state: SceneState, drive: float) -> None:
         self._weld = None
         self._parts.world.removeSkeleton(self._robot)
-        parts = build(self._problem, self._arm, self._options, self._values, self._robot)
-        self._parts = parts
+        self._poses = np.array(state.object_poses)
+        made = self._problem, self._arm, self._options, self._values, self._robot, self._poses
+        self._parts = parts = build(*made)
         positions = np.zeros(parts.robot.getNumDofs())
         positions[parts.arm], positions[parts.fingers] = state.joint_positions, drive
         _write(parts.robot, positions)
@@ -54,7 +55,7 @@ class DARTWorld(SimulatedWorld):
             T = dartpy.math.Isometry3(matrix_from_pose(state.object_poses[place]))
             _write(body.getSkeleton(), dartpy.dynamics.FreeJoint.convertToPositions(T))
         parts.robot.setCommands(np.zeros_like(positions))
-        self._contacts, self._unseen = NO_CONTACTS, 0
+        self._contacts, self._depths, self._unseen = NO_CONTACTS, NO_DEPTHS, 0
 
     def command(self, positions: Array, velocities: Array, drive: float) -> None:
         """Servos get the velocity that closes the gap within the next step."""
@@ -73,8 +74,9 @@ class DARTWorld(SimulatedWorld):
             velocities[place] = body.getLinearVelocity()
         poses = self.object_poses()
         if self._unseen >= self._options.contacts_every:
-            self._contacts, self._unseen = self._look(), 0
-        return StepObservation(time, poses[:, :3], z_axes(poses), velocities, self._contacts, held)
+            (self._contacts, self._depths), self._unseen = self._look(), 0
+        touching = self._contacts, self._depths
+        return StepObservation(time, poses[:, :3], z_axes(poses), velocities, *touching, held)
 
     def joint_positions(self) -> Array:
         positions: Array = self._parts.robot.getPositions()[self._parts.arm]
@@ -109,15 +111,19 @@ class DARTWorld(SimulatedWorld):
             self._weld = dartpy.constraint.WeldJointConstraint(body, self._parts.tool)
             solver.addConstraint(self._weld)
 
-    def _look(self) -> IntArray:
-        """Entity pairs (k, 2), ascending, that touch now."""
+    def _look(self) -> tuple[IntArray, Array]:
+        """Entity pairs (k, 2), ascending, that touch now, and how deep (k,)."""
         entity = self._parts.entity
-        pairs = set()
+        deepest: dict[tuple[int, int], float] = {}
         for contact in self._parts.world.getLastCollisionResult().getContacts():
             one = entity[contact.collisionObject1.getShapeFrame()]
             other = entity[contact.collisionObject2.getShapeFrame()]
-            pairs.add((min(one, other), max(one, other)))
-        return np.array(sorted(pairs), dtype=np.int64) if pairs else NO_CONTACTS
+            pair = (min(one, other), max(one, other))
+            deepest[pair] = max(deepest.get(pair, 0.0), contact.penetrationDepth)
+        if not deepest:
+            return NO_CONTACTS, NO_DEPTHS
+        pairs = sorted(deepest)
+        return np.array(pairs, dtype=np.int64), np.array([deepest[pair] for pair in pairs])
 
 
 def _write(skeleton: Any, positions: Array) -> None:

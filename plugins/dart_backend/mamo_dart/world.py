@@ -60,14 +60,15 @@ def build(
     options: DARTOptions,
     values: BodyValues,
     robot: Any,
+    poses: Array,
 ) -> DARTParts:
-    """A new world of a problem around the robot, every object at its initial pose."""
+    """A new world of a problem around the robot, the objects at ``poses`` (n, 7)."""
     scene = problem.scene
     masses, frictions = values
     world = _empty_world(options)
     skeletons, loose = [robot], {}
     for place, item in enumerate(scene.objects):
-        T = matrix_from_pose(problem.initial.object_poses[place])
+        T = matrix_from_pose(poses[place])
         if item.mobility is Mobility.IMMOVABLE:
             skeletons.append(_fixed_body(item.name, item.shape, T, frictions[place]))
         else:

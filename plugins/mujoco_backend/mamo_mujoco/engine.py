@@ -10,7 +10,7 @@ import numpy as np
 from mamo_core.interfaces.simulated_world import SimulatedWorld
 from mamo_core.types.geometry import Array, IntArray, invert, matrix_from_pose, pose_from_matrix
 from mamo_core.types.problem import Problem
-from mamo_core.types.rollout import NO_CONTACTS, StepObservation, Watch
+from mamo_core.types.rollout import NO_CONTACTS, NO_DEPTHS, StepObservation, Watch
 from mamo_core.types.scene import SceneState
 from mamo_mujoco.kernels import at_rest, command, contact_pairs, observe
 from mamo_mujoco.loop import Memory, Places, follow, wait
@@ -51,6 +51,8 @@ class MuJoCoWorld(SimulatedWorld):
         self._seen = np.empty((3, len(index.bodies), 3))
         self._rows = tuple(self._seen)
         self._pose_qpos = index.free_qpos[:, None] + np.arange(7)
+        self._fixed = np.setdiff1d(np.arange(len(index.bodies)), index.free)
+        self._fixed_poses = problem.initial.object_poses[self._fixed]
         # Views of the engine's memory, which never moves: asking for them costs more than a step.
         data = self._data
         self._qpos, self._qvel, self._ctrl = data.qpos, data.qvel, data.ctrl
@@ -68,10 +70,17 @@ class MuJoCoWorld(SimulatedWorld):
         self._qpos[index.arm_qpos] = state.joint_positions
         self._qpos[index.finger_qpos] = drive
         self._qpos[self._pose_qpos] = state.object_poses[index.free]
+        self._place_fixed(state.object_poses[self._fixed])
         self.command(state.joint_positions, np.zeros_like(state.joint_positions), drive)
         mujoco.mj_forward(self._model, data)
         if self._sleep_at_once:
             data.tree_asleep[index.free_trees] = _READY
+
+    def _place_fixed(self, poses: Array) -> None:
+        """Immovable objects are bodies of the model: they stand at ``poses`` (k, 7) from now on."""
+        bodies = self._index.bodies[self._fixed]
+        self._model.body_pos[bodies], self._model.body_quat[bodies] = poses[:, :3], poses[:, 3:]
+        self._fixed_poses = poses
 
     def command(self, positions: Array, velocities: Array, drive: float) -> None:
         """The servos see the position that is due a little later, so that they do not lag."""
@@ -84,9 +93,11 @@ class MuJoCoWorld(SimulatedWorld):
         observe(self._xpos, self._xmat, self._qvel, self._objects, self._seen)
         # Three small copies take less time than room for one that is large.
         positions, axes, velocities = self._rows
-        contacts = self._contacts() if self._data.ncon else NO_CONTACTS
+        some = self._data.ncon > 0
+        contacts = self._contacts() if some else NO_CONTACTS
+        depths = -self._data.contact.dist if some else NO_DEPTHS
         return StepObservation(
-            time, positions.copy(), axes.copy(), velocities.copy(), contacts, held
+            time, positions.copy(), axes.copy(), velocities.copy(), contacts, depths, held
         )
 
     def _contacts(self) -> IntArray:
@@ -102,8 +113,9 @@ class MuJoCoWorld(SimulatedWorld):
         return pose_from_matrix(_body_matrix(self._data, self._index.tool_body))
 
     def object_poses(self) -> Array:
-        poses = np.array(self._problem.initial.object_poses)
+        poses = np.empty((len(self._index.bodies), 7))
         poses[self._index.free] = self._qpos[self._pose_qpos]
+        poses[self._fixed] = self._fixed_poses
         return poses
 
     def at_rest(self, speed: float, spin: float) -> bool:
@@ -138,10 +150,12 @@ class MuJoCoWorld(SimulatedWorld):
     def snapshot(self) -> Any:
         """All that a step begins with; a copy of ``MjData`` takes far more memory and time."""
         counts = [getattr(self._data, name) for name in _COUNTS]
-        return [field.copy() for field in self._fields], counts, self._model.eq_data.copy()
+        fields = [field.copy() for field in self._fields]
+        return fields, counts, self._model.eq_data.copy(), self._fixed_poses
 
     def restore(self, snapshot: Any) -> None:
-        fields, counts, welds = snapshot
+        fields, counts, welds, fixed_poses = snapshot
+        self._place_fixed(fixed_poses)
         for field, values in zip(self._fields, fields, strict=True):
             field[...] = values
         for name, value in zip(_COUNTS, counts, strict=True):

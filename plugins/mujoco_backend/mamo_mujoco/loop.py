@@ -40,6 +40,7 @@ class Memory(NamedTuple):
     xmat: Array
     contact_count: CIntArray
     contact_geoms: CIntArray
+    contact_distances: Array
 
 
 class Places(NamedTuple):
@@ -102,7 +103,9 @@ def _harmless_step(
     for n in range(pairs.shape[0]):
         watch.touched[pairs[n, 0], pairs[n, 1]] = True
     observe(memory.xpos, memory.xmat, memory.qvel, places.objects, seen)
-    if not within(seen[0], seen[1], seen[2], pairs, watch.bounds, watch.forbidden):
+    depths = -memory.contact_distances[: memory.contact_count[0]]
+    limits = (watch.bounds, watch.forbidden, watch.deepest)
+    if not within(seen[0], seen[1], seen[2], pairs, depths, *limits):
         return False
     return largest_gap(memory.qpos[places.arm_qpos], reference) <= watch.lag
 
@@ -111,10 +114,11 @@ def warm_up() -> None:
     """Compile the loops (or read them from numba's cache): no commands are no steps."""
     one, rows, flat = np.zeros(1, dtype=np.int64), np.zeros((1, 3)), np.zeros(1)
     geoms, pairs = np.zeros((2, 4), dtype=np.intc)[:, :2], np.zeros((1, 2), dtype=np.int64)
-    memory = Memory(0, 0, flat, flat, flat, rows, rows, np.zeros(1, dtype=np.intc), geoms)
+    count, distances = np.zeros(1, dtype=np.intc), np.zeros((2, 2))[:, 0]
+    memory = Memory(0, 0, flat, flat, flat, rows, rows, count, geoms, distances)
     places = Places(one, one, pairs, one)
     table = np.zeros((1, 1), dtype=np.bool_)
-    watch, seen = Watch(np.zeros((1, 6)), table, 0.0, table), np.zeros((3, 1, 3))
+    watch, seen = Watch(np.zeros((1, 6)), table, 0.0, 0.0, table), np.zeros((3, 1, 3))
     follow(memory, places, watch, seen, rows[:0], rows[:0], flat[:0], 0.0)
     frozen = np.zeros(1)  # as trajectories are
     frozen.flags.writeable = False

@@ -14,6 +14,7 @@ from mujoco.introspect.ast_nodes import ArrayType, PointerType, ValueType
 from mujoco.introspect.structs import STRUCTS
 
 from mamo_core.errors import PluginError
+from mamo_core.types.geometry import Array
 
 CIntArray = npt.NDArray[np.intc]
 
@@ -40,8 +41,10 @@ _BALLS = """
 """
 
 
-def contacts_of(data: Any) -> tuple[CIntArray, CIntArray]:
-    """How many there are (1,), and the geoms of all there is room for (m, 2), in ``data`` itself.
+def contacts_of(data: Any) -> tuple[CIntArray, CIntArray, Array]:
+    """How many there are (1,), and geoms (m, 2) and distances (m,) of all there is room for.
+
+    All lie in ``data`` itself.
 
     Raises:
         PluginError: this version of MuJoCo has them elsewhere.
@@ -53,7 +56,9 @@ def contacts_of(data: Any) -> tuple[CIntArray, CIntArray]:
     count = (ctypes.c_int * 1).from_address(data._address + type(here).ncon.offset)
     words = (ctypes.c_int * (rows * size)).from_address(here.contact)
     geoms = np.ctypeslib.as_array(words).reshape(rows, size)[:, first : first + 2]
-    return np.ctypeslib.as_array(count), geoms
+    bytes_ = np.ctypeslib.as_array(words).reshape(rows, size)
+    distances = bytes_[:, _words(contact.dist.offset) :][:, :2].view(np.float64)[:, 0]
+    return np.ctypeslib.as_array(count), geoms, distances
 
 
 @cache

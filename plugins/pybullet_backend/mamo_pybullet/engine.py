@@ -8,7 +8,7 @@ import numpy as np
 
 from mamo_core.interfaces.simulated_world import SimulatedWorld
 from mamo_core.types.geometry import Array, IntArray, z_axes
-from mamo_core.types.rollout import NO_CONTACTS, StepObservation
+from mamo_core.types.rollout import NO_CONTACTS, NO_DEPTHS, StepObservation
 from mamo_core.types.scene import SceneState
 from mamo_pybullet.bullet import pybullet
 from mamo_pybullet.world import Bodies, WorldIndex, build
@@ -61,7 +61,7 @@ class PyBulletWorld(SimulatedWorld):
         self._hand, self._held = None, -1
         self._slow, self._asleep = dict.fromkeys(self._index.loose, 0), set()
         self._velocities, self._spins = np.zeros((2, len(self._poses), 3))
-        self._poses = np.array(self._bodies.problem.initial.object_poses)
+        self._poses = np.array(state.object_poses)
         self._axes = z_axes(self._poses)
         for i in self._index.loose:
             self._read(i)
@@ -91,14 +91,15 @@ class PyBulletWorld(SimulatedWorld):
 
     def observe(self, time: float, held: int) -> StepObservation:
         """Only what is awake is read: calls into the engine are slow."""
-        contacts = self._contacts()
+        contacts, depths = self._contacts()
         for i in self.index.loose:
             if i not in self._asleep:
                 self._read(i)
                 if self._bodies.options.sleep:
                     self._let_sleep(i)
         positions, velocities = self._poses[:, :3].copy(), self._velocities.copy()
-        return StepObservation(time, positions, self._axes.copy(), velocities, contacts, held)
+        axes = self._axes.copy()
+        return StepObservation(time, positions, axes, velocities, contacts, depths, held)
 
     def _read(self, place: int) -> None:
         body = self.index.objects[place]
@@ -195,18 +196,24 @@ class PyBulletWorld(SimulatedWorld):
         )
         return fixed
 
-    def _contacts(self) -> IntArray:
-        """Pairs that touch; PyBullet also lists those that merely come close, which wakes them."""
+    def _contacts(self) -> tuple[IntArray, Array]:
+        """Pairs (k, 2) that touch, and how deep (k,).
+
+        PyBullet also lists those that merely come close, which wakes them.
+        """
         points = pybullet.getContactPoints(physicsClientId=self._client)
         self._wake({(point[_BODY_A], point[_BODY_B]) for point in points})
         entity = self.index.entity
-        pairs = {
-            (entity[point[_BODY_A]], entity[point[_BODY_B]])
-            for point in points
-            if point[_DISTANCE] <= 0.0
-        }
-        ascending = sorted((min(pair), max(pair)) for pair in pairs if pair[0] != pair[1])
-        return np.array(ascending, dtype=np.int64) if ascending else NO_CONTACTS
+        deepest: dict[tuple[int, int], float] = {}
+        for point in points:
+            one, other = entity[point[_BODY_A]], entity[point[_BODY_B]]
+            pair = (min(one, other), max(one, other))
+            if point[_DISTANCE] <= 0.0 and one != other:
+                deepest[pair] = max(deepest.get(pair, 0.0), -point[_DISTANCE])
+        if not deepest:
+            return NO_CONTACTS, NO_DEPTHS
+        pairs = sorted(deepest)
+        return np.array(pairs, dtype=np.int64), np.array([deepest[pair] for pair in pairs])
 
     def _wake(self, near: set[tuple[int, int]]) -> None:
         """The engine wakes what an awake body touches; from then on it is read again."""

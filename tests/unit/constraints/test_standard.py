@@ -46,7 +46,9 @@ def make_problem():
 PROBLEM = make_problem()
 
 
-def observe(time=0.5, *, contacts=(), held=-1, positions=None, axes=None, velocities=None):
+def observe(
+    time=0.5, *, contacts=(), held=-1, positions=None, axes=None, velocities=None, depths=None
+):
     start = PROBLEM.initial.object_poses[:, :3]
     pairs = np.array(contacts, dtype=np.int64) if contacts else NO_CONTACTS
     return StepObservation(
@@ -55,6 +57,7 @@ def observe(time=0.5, *, contacts=(), held=-1, positions=None, axes=None, veloci
         z_axes=PROBLEM.initial_z_axes.copy() if axes is None else axes,
         velocities=np.zeros((4, 3)) if velocities is None else velocities,
         contacts=pairs,
+        depths=np.zeros(len(pairs)) if depths is None else np.array(depths),
         held=held,
     )
 

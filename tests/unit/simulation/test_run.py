@@ -11,7 +11,7 @@ from mamo_core.simulation.run import LAG, MotionRun
 from mamo_core.testing.gantry_arm import gantry_arm
 from mamo_core.testing.transition_cases import gantry_cases, standard_constraints
 from mamo_core.types.motion import Motion
-from mamo_core.types.rollout import NO_CONTACTS, StepObservation
+from mamo_core.types.rollout import NO_CONTACTS, NO_DEPTHS, StepObservation
 
 LATE = 1.1 * LAG
 
@@ -37,7 +37,7 @@ class ScriptedWorld(SimulatedWorld):
     def observe(self, time, held):
         z = np.tile([0.0, 0.0, 1.0], (self._objects, 1))
         positions = self._initial.object_poses[:, :3].copy()
-        return StepObservation(time, positions, z, np.zeros_like(z), NO_CONTACTS, held)
+        return StepObservation(time, positions, z, np.zeros_like(z), NO_CONTACTS, NO_DEPTHS, held)
 
     def joint_positions(self):
         behind = self._gaps[self.steps - 1] if 0 < self.steps <= len(self._gaps) else 0.0

@@ -73,9 +73,10 @@ class MyBackend(SimulatedWorld):
 
     def observe(self, time: float, held: int) -> StepObservation:
         """What the constraints are shown."""
-        poses = self._flatland.poses
+        poses, contacts = self._flatland.poses, self._contacts
+        depths = np.zeros(len(contacts))  # nothing is soft here
         return StepObservation(
-            time, poses[:, :3].copy(), z_axes(poses), self._velocities, self._contacts, held
+            time, poses[:, :3].copy(), z_axes(poses), self._velocities, contacts, depths, held
         )
 
     def joint_positions(self) -> Array:

@@ -16,7 +16,7 @@ from mamo_core.testing.gantry import GantryKinematics
 from mamo_core.testing.quasi_static import QuasiStaticModel
 from mamo_core.testing.scenes import one_blocker
 from mamo_core.types.geometry import Array, z_axes
-from mamo_core.types.rollout import NO_CONTACTS, StepObservation, Violation
+from mamo_core.types.rollout import NO_CONTACTS, NO_DEPTHS, StepObservation, Violation
 from mamo_core.types.solution import Statistics
 from mamo_my_constraint.constraint import NAME, MyConstraint, MyConstraintOptions
 
@@ -27,7 +27,8 @@ A = PROBLEM.scene.index("a")
 def seen(poses: Array, held: int = -1) -> StepObservation:
     """A step at 1 s in which everything stands still at ``poses`` (n, 7)."""
     positions = poses[:, :3]
-    return StepObservation(1.0, positions, z_axes(poses), 0.0 * positions, NO_CONTACTS, held)
+    still = 0.0 * positions
+    return StepObservation(1.0, positions, z_axes(poses), still, NO_CONTACTS, NO_DEPTHS, held)
 
 
 def found(limit: float, shift: float, place: int = A) -> list[Violation]:
