@@ -6,9 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from mamo_core.constraints.standard import ContactConstraint
+from mamo_core.constraints.options import PenetrationOptions
+from mamo_core.constraints.standard import ContactConstraint, PenetrationConstraint
 from mamo_core.testing.conformance.bench import Bench, require
-from mamo_core.testing.conformance.scenery import ALL, box, line, motion, on_a_board, placed, tool
+from mamo_core.testing.conformance.scenery import (
+    ALL,
+    box,
+    line,
+    motion,
+    on_a_board,
+    placed,
+    still,
+    tool,
+)
 from mamo_core.testing.gantry_arm import FOOT
 from mamo_core.testing.transition_cases import standard_constraints
 from mamo_core.types.geometry import Box, make_pose
@@ -113,6 +123,19 @@ def bounds(bench: Bench) -> str:
     require(found.time > over - ONSET, f"fallen at {found.time:.2f} s, before it is over the edge")
     require(found.time < over + 0.8, f"fallen at {found.time:.2f} s, the edge was at {over:.2f} s")
     return f"{found.time - over:.2f} s after its centre has passed the edge"
+
+
+def penetration(bench: Bench) -> str:
+    """A block begins 6 mm inside the board."""
+    deep = 0.006
+    item, pose = placed(_block("b"), 0.0, 0.0)
+    problem = on_a_board((item, pose - np.array([0.0, 0.0, deep, 0.0, 0.0, 0.0, 0.0])))
+    model = bench.make(problem, bench.arm, (PenetrationConstraint(problem, PenetrationOptions()),))
+    result = model.rollout(problem.initial, still(0.1), options=ALL)
+    found = _of_kind(result, "penetration", "b")
+    require(found.other == "board", f"{found}, expected b - board")
+    require(found.value < 1.1 * deep, f"{1e3 * found.value:.1f} mm, it began {1e3 * deep:g} deep")
+    return f"{1e3 * found.value:.1f} of {1e3 * deep:g} mm"
 
 
 def nothing_else(bench: Bench) -> None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from mamo_core.constraints.standard import ContactConstraint
 from mamo_core.testing.conformance.bench import Bench, require
 from mamo_core.testing.conformance.scenery import (
     ALL,
@@ -74,6 +77,27 @@ def _leaning(plank: SceneObject, angle: float) -> Array:
     corners = rotation @ np.array([[sx * half[0], 0.0, sz * half[2]] for sx, sz in _SIDES]).T
     position = [0.70 - corners[0].max(), 0.0, -corners[2].min()]
     return np.concatenate([position, quat_from_rotation(rotation)])
+
+
+def immovables(bench: Bench) -> str:
+    """A post stands 5 cm nearer than in the problem: that is where the foot meets it."""
+    side, nearer = 0.08, 0.05
+    post = replace(box("post", (side, side, side)), mobility=Mobility.IMMOVABLE)
+    start = tool(-0.2, 0.0, 0.02)
+    problem = on_a_board(placed(post, 0.0, 0.0), start=start)
+    poses = np.array(problem.initial.object_poses)
+    poses[0, 0] -= nearer
+    model = bench.make(problem, bench.arm, (ContactConstraint(problem),))
+    push = motion(line(start, start + 0.15 * heading(0.0), 0.1))
+    meetings = [
+        model.rollout(SceneState(start, where), push, options=ALL).violations
+        for where in (problem.initial.object_poses, poses)
+    ]
+    require(all(meetings), "the foot meets a post, and no contact was reported")
+    sooner = meetings[0][0].time - meetings[1][0].time
+    expected = nearer / 0.1
+    require(abs(sooner - expected) < 0.06, f"met {sooner:.2f} s sooner, expected {expected:.2f}")
+    return f"{sooner:.2f} of {expected:.2f} s sooner"
 
 
 def tipping(bench: Bench) -> str:

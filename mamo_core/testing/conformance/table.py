@@ -112,6 +112,12 @@ CHECKS: tuple[Check, ...] = (
         grade="within 6 %",
     ),
     Check(
+        "immovables",
+        "a state says where immovable objects stand",
+        standing.immovables,
+        grade=_ONSET,
+    ),
+    Check(
         "tipping",
         "low pushes slide a box, high pushes tip it",
         standing.tipping,
@@ -201,6 +207,13 @@ CHECKS: tuple[Check, ...] = (
     Check("tilt", "tilt is seen at its limit", constraints.tilt, _D, grade="within 6 deg"),
     Check("speed", "speed is seen at its limit", constraints.speed, _D, grade=_ONSET),
     Check("bounds", "a falling object is seen", constraints.bounds, _D, grade="within 0.8 s"),
+    Check(
+        "penetration",
+        "what is pressed into something is seen",
+        constraints.penetration,
+        _D,
+        grade="within 10 %",
+    ),
     Check("nothing_else", "no constraint fires without cause", constraints.nothing_else, _D),
     Check(
         "killed",

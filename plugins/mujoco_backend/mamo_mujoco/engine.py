@@ -66,11 +66,12 @@ class MuJoCoWorld(SimulatedWorld):
 
     def reset(self, state: SceneState, drive: float) -> None:
         data, index = self._data, self._index
+        # Before the rest: static bodies are put in place when data is reset.
+        self._place_fixed(state.object_poses[self._fixed])
         mujoco.mj_resetData(self._model, data)
         self._qpos[index.arm_qpos] = state.joint_positions
         self._qpos[index.finger_qpos] = drive
         self._qpos[self._pose_qpos] = state.object_poses[index.free]
-        self._place_fixed(state.object_poses[self._fixed])
         self.command(state.joint_positions, np.zeros_like(state.joint_positions), drive)
         mujoco.mj_forward(self._model, data)
         if self._sleep_at_once:

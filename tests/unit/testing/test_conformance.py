@@ -247,6 +247,14 @@ class HoldsNothing(Spoiled):
         return super().rollout(state, replace(motion, segments=dropped), **more)
 
 
+class LeavesImmovables(Spoiled):
+    first: SceneState | None = None
+
+    def rollout(self, state: SceneState, motion: Motion, **more: Any) -> RolloutResult:
+        self.first = self.first or state
+        return super().rollout(self.first, motion, **more)
+
+
 class Lags(Spoiled):
     def spoil(self, result: RolloutResult, state: SceneState) -> RolloutResult:
         trace = result.trace
@@ -361,6 +369,8 @@ BROKEN_ENGINES = {
     "tilt": with_models(HalfTheTilt),
     "speed": with_models(Late),
     "bounds": with_models(blind_to(constraint="bounds")),
+    "penetration": with_models(blind_to(constraint="penetration")),
+    "immovables": with_models(LeavesImmovables),
     "nothing_else": with_models(SeesPhantoms),
     "killed": stays_in_this_process,
 }
