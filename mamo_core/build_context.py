@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol
@@ -15,7 +15,7 @@ from mamo_core.interfaces.constraint import InteractionConstraint
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.interfaces.mapf_solver import MAPFSolver
 from mamo_core.interfaces.retrieval import RetrievalPlanner
-from mamo_core.interfaces.transition_model import TransitionModel
+from mamo_core.interfaces.transition_model import Replay, TransitionModel
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
@@ -30,6 +30,7 @@ class PlanVerifier(Protocol):
 
     ``parameters``: other masses and frictions than the problem's. ``executed``: what the backend
     did in a continuous execution, one result for each motion, which then is not repeated.
+    ``replays``: whether to ask the worlds close to the problem's, which some searches have done.
     """
 
     def __call__(
@@ -37,6 +38,7 @@ class PlanVerifier(Protocol):
         plan: Plan,
         parameters: ParameterOverrides | None = None,
         executed: Sequence[RolloutResult] | None = None,
+        replays: bool = True,
     ) -> VerifyReport: ...
 
 
@@ -59,7 +61,9 @@ class BuildContext:
     Built in this order: constraints, backend, accept_in, kinematics, collision, arm_planner,
     retrieval, mapf, actions, search. A part that is not built yet, or not in the recipe, is None.
     ``accept_in``: other engines, by name, in which actions and plans must be valid, too.
-    ``verifier`` replays a plan with all of them; it is there as soon as they are. ``engine_for``,
+    ``verifier`` replays a plan with all of them; it is there as soon as they are. ``replays``:
+    worlds close to the problem's in which plans must hold, for searches that ask them early.
+    ``engine_for``,
     for the search alone, builds the backend for another problem, such as this one without some of
     its objects, or with other options.
     """
@@ -76,6 +80,7 @@ class BuildContext:
     mapf: MAPFSolver | None = None
     actions: tuple[tuple[str, ActionGenerator], ...] = ()
     verifier: PlanVerifier | None = None
+    replays: Callable[[], tuple[Replay, ...]] | None = None
     engine_for: EngineFor | None = None
 
     def part(self, role: str) -> Any:

@@ -26,8 +26,8 @@ from mamo_core.plugins import Registry
 from mamo_core.recipes import LoadedRecipe
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.problem import Problem
-from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.solution import Budget, Plan, Solution, Statistics
+from mamo_core.verdict import VerifiersEngines, make_verifier
 
 if TYPE_CHECKING:
     from mamo_core.verify import VerifyReport
@@ -63,7 +63,8 @@ class Planner:
 
     def verify(self, plan: Plan) -> VerifyReport:
         """Replay the whole plan in one rollout and check every claim."""
-        return make_verifier(self.context)(plan)
+        verifier: PlanVerifier = self.context.part("verifier")
+        return verifier(plan)
 
 
 def compose(
@@ -100,8 +101,11 @@ def build_parts(
         elif built:
             context = replace(context, **{attribute: built[0][1]})
         if role == "accept_in" and context.backend is not None:
-            context = replace(context, verifier=make_verifier(context))
-    # Not before: engines send their context to processes, where functions cannot go.
+            # Not before: engines send their context to processes, where functions cannot go.
+            (backend,) = (choice for choice in choices if choice.role == "backend")
+            engines = VerifiersEngines(backend, context, _build)
+            verifier = make_verifier(context, engines)
+            context = replace(context, verifier=verifier, replays=engines.replays)
     return replace(context, engine_for=_engines(choices, arm))
 
 
@@ -124,40 +128,6 @@ def _engines(choices: Sequence[Choice], arm: ArmModel) -> EngineFor:
         return backend
 
     return engine_for
-
-
-def make_verifier(context: BuildContext) -> PlanVerifier:
-    """A function that verifies plans for the problem of ``context`` with all its engines.
-
-    The first engine that finds something wrong ends it; its name stands before what it found,
-    unless it is the backend.
-    """
-    model = context.backend
-    if model is None:
-        raise ValueError("verification needs a backend")
-
-    def check(
-        plan: Plan,
-        parameters: ParameterOverrides | None = None,
-        executed: Sequence[RolloutResult] | None = None,
-    ) -> VerifyReport:
-        from mamo_core.verify import verify, verify_executed
-
-        problem, robot = context.problem, context.robot
-        if executed is None:
-            report = verify(problem, plan, model, robot, parameters=parameters)
-        else:
-            report = verify_executed(problem, plan, executed, robot)
-        for name, other in context.accept_in:
-            if not report.ok:
-                break
-            theirs = verify(problem, plan, other, robot, parameters=parameters)
-            failures = tuple(f"{name}: {failure}" for failure in theirs.failures)
-            outside_cpu = report.outside_cpu + theirs.outside_cpu
-            report = replace(report, failures=failures, outside_cpu=outside_cpu)
-        return report
-
-    return check
 
 
 def _load_robot(problem: Problem) -> ArmModel:

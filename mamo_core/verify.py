@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
+from mamo_core.interfaces.transition_model import Replay, RolloutOptions, TransitionModel
 from mamo_core.robots.contact_free import check_meshes
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.motion import Motion, MotionSegment
@@ -15,6 +15,7 @@ from mamo_core.types.problem import Problem, Task
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import Mobility
 from mamo_core.types.solution import Plan
+from mamo_core.verify_replays import check_replays
 from mamo_core.verify_task import check_closed, check_grasp, check_reached, check_retrieved
 
 _CONTINUITY = 1e-6
@@ -27,7 +28,7 @@ class VerifyReport:
     """``failures`` in words, empty if the plan holds; ``rollout``: its continuous execution.
 
     ``kinds`` of failures: names of constraints, lost, stalled, mesh, grasp, not_retrieved,
-    not_reached, form.
+    not_reached, replay, form.
     ``outside_cpu``: CPU seconds that other processes spent.
     """
 
@@ -90,6 +91,17 @@ def verify_executed(
     if static:
         return VerifyReport(tuple(static), None, kinds=("form",))
     return _judged(problem, plan, _joined(executed), robot)
+
+
+def verify_replays(
+    report: VerifyReport,
+    plan: Plan,
+    replays: Sequence[Replay],
+    parameters: ParameterOverrides | None = None,
+) -> VerifyReport:
+    """What else is found in worlds close to the problem's; ``kinds`` of failures: replay."""
+    found = check_replays(plan.motions, replays, parameters)
+    return replace(report, failures=tuple(found), kinds=("replay",)) if found else report
 
 
 def _judged(problem: Problem, plan: Plan, rollout: RolloutResult, robot: ArmModel) -> VerifyReport:

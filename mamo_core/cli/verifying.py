@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from mamo_core.choices import choose
 from mamo_core.cli.output import print_json, progress, warn, warn_of_broken_plugins
 from mamo_core.cli.plan_report import DONE, NOT_VERIFIED, WORKER_CRASHED
-from mamo_core.compose import build_parts, make_verifier
+from mamo_core.compose import build_parts
 from mamo_core.config import Located
 from mamo_core.plan_file import PlanDocument, package_versions, read_plan
 from mamo_core.plugins import discover
@@ -32,7 +32,7 @@ def run_verify(path: Path, backend: str | None, *, as_json: bool) -> int:
         others = () if backend is not None else ("accept_in",)
         tell(f"replaying {document.problem.name!r} with backend {engine!r}")
         choices = choose(recipe, document.problem, registry, ("constraint", "backend", *others))
-        report = make_verifier(build_parts(choices, document.problem))(document.plan)
+        report = build_parts(choices, document.problem).part("verifier")(document.plan)
     _print(path, document, engine, report, as_json=as_json)
     return WORKER_CRASHED if report.lost else DONE if report.ok else NOT_VERIFIED
 

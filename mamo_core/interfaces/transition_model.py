@@ -71,3 +71,12 @@ class TransitionModel(ABC):
                 states, motions, overrides, tokens, strict=True
             )
         ]
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """A world in which a plan must hold, too: another ``start``, or a finer ``model``."""
+
+    name: str
+    model: TransitionModel
+    start: SceneState

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from mamo_core.build_context import PlanVerifier
 from mamo_core.choices import choose
-from mamo_core.compose import build_parts, make_verifier
+from mamo_core.compose import build_parts
 from mamo_core.config import Located
 from mamo_core.plan_file import PlanDocument, read_plan
 from mamo_core.plugins import Registry
@@ -30,4 +30,5 @@ def verifier_of(document: PlanDocument, registry: Registry) -> PlanVerifier:
     """A verifier in a new model of the engine and the options that a plan was made with."""
     recipe = load_recipe(Located(dict(document.recipe), "plan.json: recipe"))
     choices = choose(recipe, document.problem, registry, ("constraint", "backend"))
-    return make_verifier(build_parts(choices, document.problem))
+    verifier: PlanVerifier = build_parts(choices, document.problem).part("verifier")
+    return verifier

@@ -110,3 +110,17 @@ class Motion:
         )
         opening = self.segments[first - 1].opening if first else self.opening
         return Motion(self.segments[first:], opening)
+
+    def touching(self) -> Motion:
+        """From where the arm may first touch something to where it may do so last.
+
+        What comes before and after is contact-free, which meshes show; of a retrieval that leaves
+        how the target is taken and lifted. A motion in which nothing is touched stays whole.
+        """
+        rest = self.after_transit()
+        ends = [
+            number
+            for number, segment in enumerate(rest.segments, start=1)
+            if not segment.contact_free or segment.kind is SegmentKind.LIFT
+        ]
+        return Motion(rest.segments[: ends[-1]], rest.opening) if ends else rest

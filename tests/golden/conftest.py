@@ -162,6 +162,7 @@ class Search:
             arm,
             replace(engines[0], model=self.trial or self.model, continuous=False),
             engines,
+            (),
             NoCollisions(),
             StraightArm(),
             lambda motion, states: True,

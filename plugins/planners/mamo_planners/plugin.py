@@ -74,7 +74,10 @@ def _pick_place(context: BuildContext, options: PickPlaceOptions) -> Any:
     return PickPlace(*_arm_parts(context), options)
 
 
-def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None) -> SearchParts:
+def _search_parts(
+    context: BuildContext, uncertainty: Uncertainty | None = None, nearby: bool = False
+) -> SearchParts:
+    """``nearby``: whether actions must hold in worlds close to the problem's, too."""
     from mamo_core.robots.contact_free import check_meshes
     from mamo_planners.search.clearance import keeps_clear
     from mamo_planners.search.execution import Execution
@@ -115,6 +118,7 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
             robot,
             trial,
             used,
+            context.part("replays")() if nearby else (),
             collision,
             context.part("arm_planner"),
             contact_free,
@@ -131,21 +135,21 @@ def _search_parts(context: BuildContext, uncertainty: Uncertainty | None = None)
         context.mapf,
         context.actions,
         execution,
-        context.part("verifier"),
+        partial(context.part("verifier"), replays=False),
     )
 
 
 def _greedy(context: BuildContext, options: GreedyOptions) -> Any:
     from mamo_planners.search.greedy import GreedySearch
 
-    return GreedySearch(_search_parts(context), options)
+    return GreedySearch(_search_parts(context, nearby=options.nearby), options)
 
 
 def _depth_first(context: BuildContext, options: DepthFirstOptions) -> Any:
     from mamo_planners.search.orders import DepthFirst
     from mamo_planners.search.rearrangement import RearrangementSearch
 
-    parts = _search_parts(context, options.uncertainty)
+    parts = _search_parts(context, options.uncertainty, options.nearby)
     return RearrangementSearch(parts, lambda problem, region: DepthFirst(), options)
 
 
@@ -154,7 +158,7 @@ def _best_first(context: BuildContext, options: BestFirstOptions) -> Any:
     from mamo_planners.search.rearrangement import RearrangementSearch
 
     return RearrangementSearch(
-        _search_parts(context, options.uncertainty), order_of(options), options
+        _search_parts(context, options.uncertainty, options.nearby), order_of(options), options
     )
 
 

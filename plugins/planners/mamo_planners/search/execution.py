@@ -8,6 +8,7 @@ import numpy as np
 
 from mamo_core.interfaces.arm_planner import ArmPlanner
 from mamo_core.interfaces.collision_checker import CollisionChecker
+from mamo_core.interfaces.transition_model import Replay
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.timing import time_path
 from mamo_core.types.action import RearrangementAction
@@ -19,6 +20,7 @@ from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Budget, Statistics
 from mamo_planners.search.followers import Clear, ContactFree, Samples, Witnesses, split
 from mamo_planners.search.judging import Accept, Judge
+from mamo_planners.search.neighbours import Neighbours
 from mamo_planners.search.rollouts import KEEP, Rollouts
 from mamo_planners.search.safety import SafetyMargin
 from mamo_planners.search.stand import Engine, Line, Stand
@@ -35,8 +37,8 @@ class Execution:
     A candidate is first tried alone, from its sweep on, which is cheap. If that is valid the whole
     motion is executed from the engine's exact state, so that what the search believes is what the
     continuous execution does (needs the capability exact_continuation). The other engines follow,
-    each in a line of its own: samples, of which ``tolerated`` may fail, before the whole motion,
-    continuous ones after it.
+    each in a line of its own: samples, of which ``tolerated`` may fail, and neighbours before the
+    whole motion, continuous ones after it.
     """
 
     def __init__(
@@ -45,6 +47,7 @@ class Execution:
         arm: ArmModel,
         trial: Engine,
         engines: Sequence[Engine],
+        nearby: Sequence[Replay],
         collision: CollisionChecker,
         arm_planner: ArmPlanner,
         contact_free: ContactFree,
@@ -55,19 +58,21 @@ class Execution:
         safety_margin: float = 0.0,
     ) -> None:
         """``trial``: tries candidates, not continuously; ``engines``: the first one's state is what
-        the search plans from."""
+        the search plans from; ``nearby``: worlds in which everything must hold, too."""
         self._problem, self._arm, self._trial = problem, arm, trial
         self._collision, self._arm_planner = collision, arm_planner
         self._stats = statistics
         leading, *others = [Line(engine, problem.initial) for engine in engines]
+        others += [_line_of(replay) for replay in nearby]
         self.start = Stand(leading, tuple(others))
         """Where everything begins."""
         self._rollouts = Rollouts(statistics, budget)
         self._judge = Judge(collision, SafetyMargin(problem, safety_margin), statistics)
-        needed = sum(not line.engine.continuous for line in others) - tolerated
+        needed = len(split(others).samples) - tolerated
         asks = self._rollouts, self._judge, statistics
         self._samples = Samples(collision, contact_free, clear, *asks, needed)
         self._witnesses = Witnesses(contact_free, *asks)
+        self._neighbours = Neighbours(*asks)
 
     def after(
         self, stand: Stand, action: RearrangementAction, accept: Accept | None
@@ -80,8 +85,7 @@ class Execution:
         if not self._judge.good(trial, action, accept):
             return None
         self._stats.counts["valid_rollouts"] += 1
-        samples, _ = split(stand.others)
-        followed = self._samples.follow(samples, action, accept, trial.final_state)
+        followed = self._followed(stand, action, accept, trial.final_state)
         if followed is None:
             return None
         leading = self._whole(stand, action, accept)
@@ -94,11 +98,25 @@ class Execution:
         leading = self._whole(stand, action, accept)
         if leading is None:
             return None
-        samples, _ = split(stand.others)
-        followed = self._samples.follow(samples, action, accept, leading.state)
+        followed = self._followed(stand, action, accept, leading.state)
         return (
             self._agreed(stand, action, accept, leading, followed) if followed is not None else None
         )
+
+    def _followed(
+        self,
+        stand: Stand,
+        action: RearrangementAction,
+        accept: Accept | None,
+        expected: SceneState,
+    ) -> tuple[Line, ...] | None:
+        """Samples and neighbours after the action; None if it does not hold in them."""
+        followers = split(stand.others)
+        samples = self._samples.follow(followers.samples, action, accept, expected)
+        if samples is None:
+            return None
+        neighbours = self._neighbours.follow(followers.neighbours, action)
+        return None if neighbours is None else (*samples, *neighbours)
 
     def _whole(
         self, stand: Stand, action: RearrangementAction, accept: Accept | None
@@ -116,16 +134,15 @@ class Execution:
         action: RearrangementAction,
         accept: Accept | None,
         leading: Line,
-        samples: tuple[Line, ...],
+        followed: tuple[Line, ...],
     ) -> Stand | None:
         """The stand after the action, if all other engines agree."""
-        _, continuous = split(stand.others)
-        witnesses = self._witnesses.follow(continuous, action, accept)
+        witnesses = self._witnesses.follow(split(stand.others).continuous, action, accept)
         if witnesses is None:
             return None
         self._stats.counts["accepted"] += 1
         self._stats.succeeded(action.object_name, action.kind)
-        return Stand(leading, (*samples, *witnesses))
+        return Stand(leading, (*followed, *witnesses))
 
     def retrieval_from(
         self, stand: Stand, retrieval: Motion, rng: np.random.Generator
@@ -176,10 +193,17 @@ class Execution:
 
         None if the retrieval is not valid in the continuous execution, in enough engines.
         """
-        samples, continuous = split(stand.others)
+        samples, neighbours, continuous = split(stand.others)
         if not self._samples.hold(samples, motion):
             return None
         result = self._rollouts.one(stand.leading, motion, None)
-        if not (self._judge.retrieved(result) and self._witnesses.hold(continuous, motion)):
+        if not (self._judge.retrieved(result) and self._neighbours.hold(neighbours, motion)):
+            return None
+        if not self._witnesses.hold(continuous, motion):
             return None
         return (*stand.leading.executed, result)
+
+
+def _line_of(replay: Replay) -> Line:
+    engine = Engine(replay.name, replay.model, continuous=False, nearby=True)
+    return Line(engine, replay.start)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -194,7 +195,18 @@ class Witnesses:
         self._stats.failed(subject, kind, f"not_valid_in_{line.engine.name}")
 
 
-def split(lines: Sequence[Line]) -> tuple[tuple[Line, ...], tuple[Line, ...]]:
-    """The lines that start each action from rest, and those that are continuous."""
-    samples = tuple(line for line in lines if not line.engine.continuous)
-    return samples, tuple(line for line in lines if line.engine.continuous)
+class Followers(NamedTuple):
+    """Lines by how they follow: samples and neighbours start each action from rest."""
+
+    samples: tuple[Line, ...]
+    neighbours: tuple[Line, ...]
+    continuous: tuple[Line, ...]
+
+
+def split(lines: Sequence[Line]) -> Followers:
+    """The lines by how they follow."""
+    return Followers(
+        tuple(o for o in lines if not (o.engine.continuous or o.engine.nearby)),
+        tuple(o for o in lines if o.engine.nearby),
+        tuple(o for o in lines if o.engine.continuous),
+    )

@@ -40,6 +40,13 @@ class Judge:
             self._stats.failed("arm", "retrieval", cause, involved=involved)
         return result.valid
 
+    def holds(self, result: RolloutResult, subject: str, kind: str) -> bool:
+        """Whether a motion breaks nothing in a world close to the problem's."""
+        if not result.valid:
+            involved = next((names for _, names in _broken(result)), ())
+            self._stats.failed(subject, kind, "not_valid_nearby", involved=involved)
+        return result.valid
+
     def _faults(
         self, result: RolloutResult, action: RearrangementAction, accept: Accept | None
     ) -> Iterator[Fault]:

@@ -11,10 +11,16 @@ from mamo_core.hookspecs import Options
 
 _FITTED = "fitted by: mamo learn-priority --problems 60"
 
+_NEARBY = (
+    "actions and retrievals must hold in the worlds close to the problem's which verification "
+    "asks: objects moved by 0.1 mm, finer steps; thesis: false"
+)
+
 
 class GreedyOptions(Options):
     """Options of ``greedy`` (M4M)."""
 
+    nearby: bool = Field(False, description=_NEARBY)
     iterate: bool = Field(True, description="solve the MAPF problem again after every valid push")
     regions: int = Field(
         4, ge=1, description="retrievals drawn for the NGR; the least occupied one is taken"
@@ -90,6 +96,7 @@ class GraphOptions(Options):
     uncertainty: Uncertainty | None = Field(
         None, description="sampled masses and frictions instead of the problem's (6.3.4)"
     )
+    nearby: bool = Field(False, description=_NEARBY)
     lazy: bool = Field(False, description="evaluate actions only when they come first (6.3.3)")
     positive_database: bool = Field(True, description="use valid pushes again (5.5.2)")
     negative_database: bool = Field(True, description="avoid goals near failed ones (5.5.1)")

@@ -62,5 +62,5 @@ def _job(line: Line, motion: Motion) -> tuple[SceneState, Motion]:
     """What an engine executes, and from where."""
     if line.engine.continuous:
         return line.state, motion
-    sweep = motion.after_transit()
+    sweep = motion.touching() if line.engine.nearby else motion.after_transit()
     return line.state.with_joints(sweep.start), sweep

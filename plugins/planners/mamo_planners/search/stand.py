@@ -15,12 +15,14 @@ class Engine:
     """An engine that executes the plan, with other masses and frictions if some are given.
 
     ``continuous``: it executes everything; otherwise each action from its sweep on, from rest.
+    ``nearby``: it is one of the worlds close to the problem's, in which all must hold.
     """
 
     name: str
     model: TransitionModel
     parameters: ParameterOverrides | None = None
     continuous: bool = True
+    nearby: bool = False
 
 
 @dataclass(frozen=True, eq=False)
