@@ -66,6 +66,16 @@ class Planner:
         verifier: PlanVerifier = self.context.part("verifier")
         return verifier(plan)
 
+    def margin(self, plan: Plan, tell: ProgressCallback = lambda text: None) -> dict[str, float]:
+        """How often the plan holds in worlds that are not quite the problem's.
+
+        Shares by how far these are off, executed by the recipe's engine.
+        """
+        from mamo_core.margin import margin_of
+
+        context = self.context
+        return margin_of(context.problem, plan, context.part("backend"), context.robot, tell)
+
 
 def compose(
     recipe: LoadedRecipe, problem: Problem, registry: Registry, robot: ArmModel | None = None

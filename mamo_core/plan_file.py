@@ -1,4 +1,5 @@
-"""Plan files: everything needed to rebuild, replay and check a plan, and nothing that varies.
+"""Plan files: everything needed to rebuild, replay and check a plan, and nothing that varies
+or that nobody could check.
 
 The same problem, recipe and seed give the same bytes, so there are no times of day and no CPU
 seconds in here. Floats are written with all their digits.
@@ -8,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -17,19 +18,18 @@ import numpy as np
 
 from mamo_core.atomic import atomic_path
 from mamo_core.config import Located, load_file, load_text, validated
+from mamo_core.errors import InputError
 from mamo_core.plan_schema import (
     SCHEMA_VERSION,
     ActionDocument,
     MotionDocument,
     PlanFile,
-    RegionDocument,
     SegmentDocument,
 )
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion, MotionSegment, Trajectory
 from mamo_core.types.problem import Problem
-from mamo_core.types.region import SweptRegion
 from mamo_core.types.solution import Plan, SolutionStatus
 
 MAX_BYTES = 256 * 1024 * 1024
@@ -40,8 +40,9 @@ VERSIONED = ("dartpy", "mamo", "mujoco", "numpy", "pin", "pybullet")
 class PlanDocument:
     """A plan with the problem it solves and how it was made.
 
-    ``recipe``: the recipe's data. ``versions``: of the packages that made it. ``counts`` and
-    ``causes`` as in ``Statistics``.
+    ``recipe``: the recipe's data. ``versions``: of the packages that made it. ``margin``: share of
+    the worlds in which it holds, by how far they are off (``mamo_core.margin``); empty where nobody
+    measured it.
     """
 
     problem: Problem
@@ -49,8 +50,7 @@ class PlanDocument:
     recipe: Mapping[str, Any]
     seed: int
     status: SolutionStatus = SolutionStatus.SOLVED
-    counts: Mapping[str, int] = field(default_factory=dict)
-    causes: Mapping[str, int] = field(default_factory=dict)
+    margin: Mapping[str, float] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=lambda: package_versions())
 
 
@@ -121,7 +121,6 @@ def _read(located: Located, source: str) -> PlanDocument:
         plan = Plan(
             actions=tuple(_action(item) for item in raw.actions),
             retrieval=_motion(raw.retrieval),
-            region=None if raw.region is None else _region(raw.region),
         )
         _check_fits(plan, problem)
     except ValueError as error:
@@ -132,10 +131,22 @@ def _read(located: Located, source: str) -> PlanDocument:
         recipe=raw.recipe,
         seed=raw.seed,
         status=SolutionStatus(raw.status),
-        counts=raw.counts,
-        causes=raw.causes,
+        margin=raw.margin,
         versions=raw.versions,
     )
+
+
+def in_problem(document: PlanDocument, problem: Problem) -> PlanDocument:
+    """The same plan for a problem that does not come from its file.
+
+    Raises:
+        InputError: the plan speaks of objects, or of joints, that the problem does not have.
+    """
+    try:
+        _check_fits(document.plan, problem)
+    except ValueError as error:
+        raise InputError(f"problem {problem.name!r} does not fit the plan: {error}") from None
+    return replace(document, problem=problem)
 
 
 def plan_data(document: PlanDocument) -> dict[str, Any]:
@@ -150,20 +161,14 @@ def plan_data(document: PlanDocument) -> dict[str, Any]:
         "seed": document.seed,
         "status": str(document.status),
         "versions": dict(document.versions),
-        "counts": _counted(document.counts),
-        "causes": _counted(document.causes),
+        "margin": dict(document.margin),
         "actions": [_action_data(action) for action in plan.actions],
         "retrieval": _motion_data(plan.retrieval),
-        "region": None if plan.region is None else _region_data(plan.region),
     }
 
 
 def _dumps(data: Any) -> str:
     return json.dumps(data, sort_keys=True, allow_nan=False, separators=(",", ":"))
-
-
-def _counted(counts: Mapping[str, int]) -> dict[str, int]:
-    return {key: int(value) for key, value in counts.items() if value}
 
 
 def _action_data(action: RearrangementAction) -> dict[str, Any]:
@@ -221,16 +226,6 @@ def _segment_data(segment: MotionSegment) -> dict[str, Any]:
     }
 
 
-def _region_data(region: SweptRegion) -> dict[str, Any]:
-    rows = [[v if np.isfinite(v) else None for v in row] for row in region.lowest.tolist()]
-    return {
-        "origin": region.origin.tolist(),
-        "resolution": region.resolution,
-        "floor": region.floor,
-        "lowest": rows,
-    }
-
-
 def _action(item: ActionDocument) -> RearrangementAction:
     path = _table(item.path, 2)
     return RearrangementAction(item.kind, item.object, _motion(item.motion), path, item.info)
@@ -250,11 +245,6 @@ def _segment(item: SegmentDocument) -> MotionSegment:
         settle=item.settle,
         closes_on=item.closes_on,
     )
-
-
-def _region(item: RegionDocument) -> SweptRegion:
-    rows = [[np.inf if v is None else v for v in row] for row in item.lowest]
-    return SweptRegion(np.array(item.origin), item.resolution, _table(rows, None), item.floor)
 
 
 def _table(rows: Any, columns: int | None) -> Array:

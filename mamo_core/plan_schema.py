@@ -45,17 +45,6 @@ class ActionDocument(_Document):
     info: dict[str, Any] = Field(description="remarks of the action generator")
 
 
-class RegionDocument(_Document):
-    """The space that the retrieval sweeps: a height map in world coordinates."""
-
-    origin: tuple[float, float] = Field(description="corner of cell (0, 0), m")
-    resolution: float = Field(gt=0.0, description="size of a cell, m")
-    floor: float = Field(description="height the objects stand on, m")
-    lowest: tuple[tuple[float | None, ...], ...] = Field(
-        description="lowest swept height over each cell, m; null where nothing passes"
-    )
-
-
 class PlanFile(_Document):
     """A verified plan that replays itself."""
 
@@ -65,8 +54,8 @@ class PlanFile(_Document):
     seed: int = Field(description="seed of the search")
     status: Literal["solved"] = Field(description="only plans that were found are written")
     versions: dict[str, str] = Field(description="packages that made it")
-    counts: dict[str, int] = Field(description="work done, by kind")
-    causes: dict[str, int] = Field(description="failures by subject/action/cause")
+    margin: dict[str, float] = Field(
+        description="share of the worlds in which it holds, by how far they are off"
+    )
     actions: tuple[ActionDocument, ...] = Field(description="rearrangements in order")
     retrieval: MotionDocument = Field(description="the motion that does the task, at the end")
-    region: RegionDocument | None = Field(description="the NGR that was cleared")

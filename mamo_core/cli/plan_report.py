@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +26,7 @@ class PlanReport:
     """A solution and what an independent verification said about it.
 
     ``details``: what failed. ``explanation``: why there is no plan, if there is none.
+    ``margin``: as in plan files, for which it is measured.
     ``cpu_seconds``: of planning, and of verifying or explaining, engine processes included.
     """
 
@@ -38,6 +39,7 @@ class PlanReport:
     cpu_seconds: float
     details: tuple[Detail, ...] = ()
     explanation: Explanation | None = None
+    margin: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def status(self) -> SolutionStatus:
@@ -103,6 +105,8 @@ def _summary(report: PlanReport, output: Path | None, png: Path | None) -> Itera
     yield ["verification", _verification(report)]
     for failure in report.failures:
         yield ["", failure]
+    for name, share in report.margin.items():
+        yield [f"holds {name} off", f"{100.0 * share:.0f} %"]
     if output is not None:
         yield ["plan", str(output)]
     if png is not None:
@@ -132,6 +136,7 @@ def _data(report: PlanReport, output: Path | None, png: Path | None) -> dict[str
         "status": str(report.status),
         "verified": report.verification.ok if report.verification is not None else None,
         "failures": list(report.failures),
+        "margin": dict(report.margin),
         "reason": solution.reason,
         "actions": [{"kind": a.kind, "object": a.object_name} for a in actions],
         "cpu_s": report.cpu_seconds,

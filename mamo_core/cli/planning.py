@@ -93,6 +93,9 @@ def _solve(planner: Planner, order: PlanOrder, tell: ProgressCallback) -> PlanRe
         tell("verifying the plan in one continuous simulation")
         verification = planner.verify(solution.plan)
     problem = planner.context.problem
+    margin: dict[str, float] = {}
+    if solution.plan is not None and verification is not None and verification.ok:
+        margin = planner.margin(solution.plan, tell) if order.output is not None else {}
     explanation = _explained(planner, solution, tell) if solution.plan is None else None
     counted = details_of(problem.scene, solution.statistics)
     outside = verification.outside_cpu if verification is not None else 0.0
@@ -106,6 +109,7 @@ def _solve(planner: Planner, order: PlanOrder, tell: ProgressCallback) -> PlanRe
         verification=verification,
         details=explanation.details if explanation is not None else counted,
         explanation=explanation,
+        margin=margin,
         cpu_seconds=time.process_time() - started + outside,
     )
 
@@ -118,14 +122,12 @@ def _explained(planner: Planner, solution: Solution, tell: ProgressCallback) -> 
 def _write(order: PlanOrder, problem: Problem, recipe: LoadedRecipe, report: PlanReport) -> None:
     plan = report.verified_plan
     if plan is not None and order.output is not None:
-        statistics = report.solution.statistics
         document = PlanDocument(
             problem=problem,
             plan=plan,
             recipe=recipe.data,
             seed=order.seed,
-            counts=statistics.counts,
-            causes=statistics.causes,
+            margin=report.margin,
         )
         write_plan(order.output, document)
     if order.png is not None and plan is None and report.explanation is not None:

@@ -122,14 +122,11 @@ def _outcome(problem: Problem, solution: Solution, recipe: LoadedRecipe, seed: i
 
 def _text(problem: Problem, solution: Solution, recipe: LoadedRecipe, seed: int) -> str:
     assert solution.plan is not None, "there is nothing to write"
-    statistics = solution.statistics
     document = PlanDocument(
         problem=problem,
         plan=solution.plan,
         recipe=recipe.data,
         seed=seed,
-        counts=statistics.counts,
-        causes=statistics.causes,
     )
     return plan_text(document)
 
