@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol
@@ -54,6 +54,12 @@ class EngineFor(Protocol):
     ) -> TransitionModel: ...
 
 
+class Replays(Protocol):
+    """The worlds in which plans must hold; ``problem``: the same one with other limits."""
+
+    def __call__(self, problem: Problem | None = None) -> tuple[Replay, ...]: ...
+
+
 @dataclass(frozen=True, eq=False)
 class BuildContext:
     """What a component's build function receives: the problem and the parts built before it.
@@ -80,7 +86,7 @@ class BuildContext:
     mapf: MAPFSolver | None = None
     actions: tuple[tuple[str, ActionGenerator], ...] = ()
     verifier: PlanVerifier | None = None
-    replays: Callable[[], tuple[Replay, ...]] | None = None
+    replays: Replays | None = None
     engine_for: EngineFor | None = None
 
     def part(self, role: str) -> Any:

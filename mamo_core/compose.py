@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -113,14 +114,17 @@ def build_parts(
         if role == "accept_in" and context.backend is not None:
             # Not before: engines send their context to processes, where functions cannot go.
             (backend,) = (choice for choice in choices if choice.role == "backend")
-            engines = VerifiersEngines(backend, context, _build)
+            engines = VerifiersEngines(backend, context, partial(_engines, choices, arm))
             verifier = make_verifier(context, engines)
             context = replace(context, verifier=verifier, replays=engines.replays)
     return replace(context, engine_for=_engines(choices, arm))
 
 
-def _engines(choices: Sequence[Choice], arm: ArmModel) -> EngineFor:
-    """A function that builds the backend for other problems, whose limits may be others, too."""
+def _engines(choices: Sequence[Choice], arm: ArmModel, backend: Choice | None = None) -> EngineFor:
+    """A function that builds the backend for other problems, whose limits may be others, too.
+
+    ``backend``: instead of the one among the choices.
+    """
     backends = [choice for choice in choices if choice.role == "backend"]
     known = {c.component.name: c.component for c in choices if c.role == "constraint"}
 
@@ -131,11 +135,11 @@ def _engines(choices: Sequence[Choice], arm: ArmModel) -> EngineFor:
             raise InputError("a part 'backend' is needed, and the recipe gives none")
         needed = [
             *constraint_choices(problem, lambda name, place: known[name]),
-            *(changed(choice, changes) for choice in backends),
+            *(changed(backend or choice, changes) for choice in backends),
         ]
         check_requirements(needed)
-        backend: TransitionModel = build_parts(needed, problem, arm).part("backend")
-        return backend
+        made: TransitionModel = build_parts(needed, problem, arm).part("backend")
+        return made
 
     return engine_for
 

@@ -6,36 +6,35 @@ endless forces is not one that holds.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from mamo_core.build_context import BuildContext, PlanVerifier
-from mamo_core.choices import Choice, changed
+from mamo_core.build_context import BuildContext, EngineFor, PlanVerifier
+from mamo_core.choices import Choice
 from mamo_core.interfaces.transition_model import Replay, TransitionModel
 from mamo_core.types.deviation import neighbours
+from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.solution import Plan
 
 if TYPE_CHECKING:
     from mamo_core.verify import VerifyReport
 
-Build = Callable[[Choice, BuildContext], Any]
-"""Builds the component that was chosen."""
-
 
 class VerifiersEngines:
     """The engine of a recipe with the verifier's own options, made when it is asked for."""
 
-    def __init__(self, chosen: Choice, context: BuildContext, build: Build) -> None:
-        self._chosen, self._context, self._build = chosen, context, build
-        self._plain = replace(chosen, options=chosen.component.options())
-
-    @cached_property
-    def trusted(self) -> bool:
+    def __init__(
+        self, chosen: Choice, context: BuildContext, engines: Callable[[Choice], EngineFor]
+    ) -> None:
+        """``engines``: what builds a chosen engine for any problem."""
+        plain = replace(chosen, options=chosen.component.options())
+        self._context, self._engine_for = context, engines(plain)
+        self._step: float | None = getattr(plain.options, "time_step", None)
+        self.trusted = chosen.options == plain.options
         """Whether the recipe's engine is the verifier's."""
-        return self._chosen.options == self._plain.options
 
     @cached_property
     def own(self) -> TransitionModel:
@@ -43,39 +42,35 @@ class VerifiersEngines:
         if self.trusted:
             backend: TransitionModel = self._context.part("backend")
             return backend
-        return self._built({})
+        return self._engine_for(self._context.problem)
 
-    def replays(self) -> tuple[Replay, ...]:
-        """The problem moved by a hair's breadth, and the problem at finer steps."""
-        return self._replays
+    def replays(self, problem: Problem | None = None) -> tuple[Replay, ...]:
+        """The problem moved by a hair's breadth, and the problem at finer steps.
+
+        ``problem``: the same one with other limits. An engine that has no time step as an option
+        cannot be asked for a finer one.
+        """
+        if problem is None:
+            return self._replays
+        return self._around(problem, self._engine_for(problem))
 
     @cached_property
     def _replays(self) -> tuple[Replay, ...]:
-        problem = self._context.problem
-        near = [
-            Replay(f"moved by 0.1 mm, number {n}", self.own, start)
+        return self._around(self._context.problem, self.own)
+
+    def _around(self, problem: Problem, model: TransitionModel) -> tuple[Replay, ...]:
+        near = (
+            Replay(f"moved by 0.1 mm, number {n}", model, start)
             for n, start in enumerate(neighbours(problem), start=1)
-        ]
-        finer = [
-            Replay(f"at {words} steps", self._built({"time_step": step}), problem.initial)
-            for words, step in self._finer_steps()
-        ]
-        return (*near, *finer)
-
-    def _finer_steps(self) -> Iterator[tuple[str, float]]:
-        """An engine without a time step of its own cannot have a finer one."""
-        step = getattr(self._plain.options, "time_step", None)
-        if step is not None:
-            yield from (("half", step / 2.0), ("quarter", step / 4.0))
-
-    def _built(self, changes: Mapping[str, Any]) -> TransitionModel:
-        bare = BuildContext(
-            problem=self._context.problem,
-            robot=self._context.robot,
-            constraints=self._context.constraints,
         )
-        model: TransitionModel = self._build(changed(self._plain, changes), bare)
-        return model
+        step = self._step
+        finer = (
+            Replay(
+                f"at {words} steps", self._engine_for(problem, {"time_step": part}), problem.initial
+            )
+            for words, part in (() if step is None else (("half", step / 2), ("quarter", step / 4)))
+        )
+        return (*near, *finer)
 
 
 def make_verifier(context: BuildContext, engines: VerifiersEngines) -> PlanVerifier:

@@ -18,6 +18,7 @@ from mamo_planners.search.options import (
     BestFirstOptions,
     DepthFirstOptions,
     GreedyOptions,
+    Room,
     Uncertainty,
 )
 
@@ -75,9 +76,9 @@ def _pick_place(context: BuildContext, options: PickPlaceOptions) -> Any:
 
 
 def _search_parts(
-    context: BuildContext, uncertainty: Uncertainty | None = None, nearby: bool = False
+    context: BuildContext, uncertainty: Uncertainty | None = None, nearby: Room | None = None
 ) -> SearchParts:
-    """``nearby``: whether actions must hold in worlds close to the problem's, too."""
+    """``nearby``: with what room actions must hold in worlds close to the problem's, too."""
     from mamo_core.robots.contact_free import check_meshes
     from mamo_planners.search.clearance import keeps_clear
     from mamo_planners.search.execution import Execution
@@ -96,6 +97,7 @@ def _search_parts(
     strict = stricter(problem, uncertainty) if uncertainty is not None else problem
     if strict is not problem:
         backend = quick = context.part("engine_for")(strict)
+    replays = context.part("replays")(stricter(problem, nearby)) if nearby is not None else ()
     if uncertainty is not None and uncertainty.backend:
         quick = context.part("engine_for")(strict, uncertainty.backend)
 
@@ -104,7 +106,8 @@ def _search_parts(
         others = [Engine(name, model) for name, model in context.accept_in]
         if uncertainty is None:
             own = Engine("backend", backend)
-            return replace(own, continuous=False), [own, *others], 0
+            trial = replays[0].model if replays else backend
+            return replace(own, model=trial, continuous=False), [own, *others], 0
         values = sampled(scene, uncertainty, rng)
         samples = [Engine(f"sample_{n}", quick, v, continuous=False) for n, v in enumerate(values)]
         leading = replace(samples[0], model=backend, continuous=True)
@@ -118,7 +121,7 @@ def _search_parts(
             robot,
             trial,
             used,
-            context.part("replays")() if nearby else (),
+            replays,
             collision,
             context.part("arm_planner"),
             contact_free,

@@ -12,15 +12,33 @@ from mamo_core.hookspecs import Options
 _FITTED = "fitted by: mamo learn-priority --problems 60"
 
 _NEARBY = (
-    "actions and retrievals must hold in the worlds close to the problem's which verification "
-    "asks: objects moved by 0.1 mm, finer steps; thesis: false"
+    "actions and retrievals must hold, with some room, in the worlds close to the problem's that "
+    "verification asks: objects moved by 0.1 mm, finer steps; thesis: null"
 )
+
+
+class Room(Options):
+    """What is kept from the limits where something must hold in several worlds."""
+
+    limit_share: float = Field(
+        1.0,
+        gt=0.0,
+        le=1.0,
+        description="share of the limits of tilt, speed and penetration that may be reached; "
+        "thesis: 1",
+    )
+    clearance: float = Field(
+        0.0,
+        ge=0.0,
+        description="distance that movable objects keep at all times from what must not be "
+        "touched, m; thesis: 0",
+    )
 
 
 class GreedyOptions(Options):
     """Options of ``greedy`` (M4M)."""
 
-    nearby: bool = Field(False, description=_NEARBY)
+    nearby: Room | None = Field(None, description=_NEARBY)
     iterate: bool = Field(True, description="solve the MAPF problem again after every valid push")
     regions: int = Field(
         4, ge=1, description="retrievals drawn for the NGR; the least occupied one is taken"
@@ -39,8 +57,16 @@ class GreedyOptions(Options):
     mapf_nodes: int = Field(300, ge=1, description="high-level nodes per MAPF call")
     mapf_expansions: int = Field(60_000, ge=1, description="low-level expansions per MAPF call")
 
+    def needs(self) -> Mapping[str, frozenset[str]]:
+        return _needs_of(self.nearby)
 
-class Uncertainty(Options):
+
+def _needs_of(*rooms: Room | None) -> Mapping[str, frozenset[str]]:
+    clear = any(room is not None and room.clearance > 0.0 for room in rooms)
+    return {"backend": frozenset({"clearance"} if clear else ())}
+
+
+class Uncertainty(Room):
     """Masses and frictions are sampled around the problem's own (thesis 6.3.4).
 
     The search knows the samples alone; it plans from what happens in the first one.
@@ -59,18 +85,6 @@ class Uncertainty(Options):
         False,
         description="every mass and friction has one sample in each of as many equally likely "
         "parts of its range as there are samples; thesis: all are drawn alone",
-    )
-    limit_share: float = Field(
-        1.0,
-        gt=0.0,
-        le=1.0,
-        description="share of the largest tilt and speed that samples may reach; thesis: 1",
-    )
-    clearance: float = Field(
-        0.0,
-        ge=0.0,
-        description="distance that movable objects keep at all times in samples from what must "
-        "not be touched, m; thesis: 0",
     )
     safety_margin: float = Field(
         0.0,
@@ -96,7 +110,7 @@ class GraphOptions(Options):
     uncertainty: Uncertainty | None = Field(
         None, description="sampled masses and frictions instead of the problem's (6.3.4)"
     )
-    nearby: bool = Field(False, description=_NEARBY)
+    nearby: Room | None = Field(None, description=_NEARBY)
     lazy: bool = Field(False, description="evaluate actions only when they come first (6.3.3)")
     positive_database: bool = Field(True, description="use valid pushes again (5.5.2)")
     negative_database: bool = Field(True, description="avoid goals near failed ones (5.5.1)")
@@ -150,8 +164,7 @@ class GraphOptions(Options):
     mapf_expansions: int = Field(60_000, ge=1, description="low-level expansions per MAPF call")
 
     def needs(self) -> Mapping[str, frozenset[str]]:
-        clearance = self.uncertainty.clearance if self.uncertainty is not None else 0.0
-        return {"backend": frozenset({"clearance"} if clearance > 0.0 else ())}
+        return _needs_of(self.uncertainty, self.nearby)
 
 
 class DepthFirstOptions(GraphOptions):

@@ -10,12 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from mamo_core.constraints.options import ContactOptions, SpeedOptions, TiltOptions
+from mamo_core.constraints.options import (
+    ContactOptions,
+    PenetrationOptions,
+    SpeedOptions,
+    TiltOptions,
+)
 from mamo_core.types.geometry import Array
 from mamo_core.types.problem import ConstraintSpec, Problem
 from mamo_core.types.rollout import ParameterOverrides
 from mamo_core.types.scene import Mobility, Scene
-from mamo_planners.search.options import Uncertainty
+from mamo_planners.search.options import Room, Uncertainty
 
 _LEAST = 1e-12
 """Shares this close to 0 or 1 are as good: what is drawn is clipped long before."""
@@ -55,28 +60,28 @@ def needed(threshold: float, count: int) -> int:
     return max(1, math.floor(threshold * count + 1e-9))
 
 
-def stricter(problem: Problem, uncertainty: Uncertainty) -> Problem:
-    """The problem with the limits that samples have to keep; itself if they are the same."""
-    if uncertainty.clearance == 0.0 and uncertainty.limit_share == 1.0:
+def stricter(problem: Problem, room: Room) -> Problem:
+    """The problem with limits that leave some room; itself if they are the same."""
+    if room.clearance == 0.0 and room.limit_share == 1.0:
         return problem
     specs = tuple(
-        replace(spec, options={**spec.options, **_stricter(spec, uncertainty)})
+        replace(spec, options={**spec.options, **_stricter(spec, room)})
         for spec in problem.constraints
     )
     return replace(problem, constraints=specs)
 
 
-def _stricter(spec: ConstraintSpec, uncertainty: Uncertainty) -> Mapping[str, Any]:
-    """The options of a constraint that are others for samples."""
+def _stricter(spec: ConstraintSpec, room: Room) -> Mapping[str, Any]:
+    """The options of a constraint that are others where room is to be left."""
     match spec.name:
         case "contact":
             own = ContactOptions(**spec.options).clearance
-            return {"clearance": max(own, uncertainty.clearance)}
+            return {"clearance": max(own, room.clearance)}
         case "tilt":
-            own = TiltOptions(**spec.options).limit_deg
-            return {"limit_deg": uncertainty.limit_share * own}
+            return {"limit_deg": room.limit_share * TiltOptions(**spec.options).limit_deg}
         case "speed":
-            own = SpeedOptions(**spec.options).limit
-            return {"limit": uncertainty.limit_share * own}
+            return {"limit": room.limit_share * SpeedOptions(**spec.options).limit}
+        case "penetration":
+            return {"limit": room.limit_share * PenetrationOptions(**spec.options).limit}
         case _:
             return {}
