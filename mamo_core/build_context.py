@@ -17,6 +17,7 @@ from mamo_core.interfaces.mapf_solver import MAPFSolver
 from mamo_core.interfaces.retrieval import RetrievalPlanner
 from mamo_core.interfaces.transition_model import Replay, TransitionModel
 from mamo_core.robots.model import ArmModel
+from mamo_core.types.deviation import NEAR, Deviation
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.solution import Plan
@@ -55,9 +56,14 @@ class EngineFor(Protocol):
 
 
 class Replays(Protocol):
-    """The worlds in which plans must hold; ``problem``: the same one with other limits."""
+    """The worlds in which plans must hold.
 
-    def __call__(self, problem: Problem | None = None) -> tuple[Replay, ...]: ...
+    ``problem``: the same one with other limits. ``extra``: so many more worlds, ``wider`` off.
+    """
+
+    def __call__(
+        self, problem: Problem | None = None, wider: Deviation = NEAR, extra: int = 0
+    ) -> tuple[Replay, ...]: ...
 
 
 @dataclass(frozen=True, eq=False)

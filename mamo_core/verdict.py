@@ -11,16 +11,22 @@ from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from mamo_core.build_context import BuildContext, EngineFor, PlanVerifier
 from mamo_core.choices import Choice
 from mamo_core.interfaces.transition_model import Replay, TransitionModel
-from mamo_core.types.deviation import neighbours
+from mamo_core.margin import possible_poses
+from mamo_core.types.deviation import NEAR, Deviation, neighbours
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
+from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Plan
 
 if TYPE_CHECKING:
     from mamo_core.verify import VerifyReport
+
+_SEED = 1
 
 
 class VerifiersEngines:
@@ -44,15 +50,25 @@ class VerifiersEngines:
             return backend
         return self._engine_for(self._context.problem)
 
-    def replays(self, problem: Problem | None = None) -> tuple[Replay, ...]:
+    def replays(
+        self, problem: Problem | None = None, wider: Deviation = NEAR, extra: int = 0
+    ) -> tuple[Replay, ...]:
         """The problem moved by a hair's breadth, and the problem at finer steps.
 
-        ``problem``: the same one with other limits. An engine that has no time step as an option
-        cannot be asked for a finer one.
+        ``problem``: the same one with other limits; ``extra``: so many more worlds, ``wider`` off.
+        An engine that has no time step as an option cannot be asked for a finer one.
         """
         if problem is None:
             return self._replays
-        return self._around(problem, self._engine_for(problem))
+        found = self._around(problem, self._engine_for(problem))
+        rng = np.random.default_rng(_SEED)
+        joints = problem.initial.joint_positions
+        starts = (SceneState(joints, possible_poses(problem, wider, rng)) for _ in range(extra))
+        more = (
+            Replay(f"moved farther, number {n}", found[0].model, start)
+            for n, start in enumerate(starts, start=1)
+        )
+        return (*found, *more)
 
     @cached_property
     def _replays(self) -> tuple[Replay, ...]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mamo_core.hookspecs import Component, NoOptions, hookimpl
+from mamo_core.types.deviation import Deviation
 from mamo_core.types.search_graph import KEEPS_GRAPHS
 from mamo_planners.baselines.options import DogarOptions, SelectiveSimulationOptions
 from mamo_planners.baselines.sampling.components import components as sampling_components
@@ -18,7 +20,7 @@ from mamo_planners.search.options import (
     BestFirstOptions,
     DepthFirstOptions,
     GreedyOptions,
-    Room,
+    Nearby,
     Uncertainty,
 )
 
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 
     from mamo_core.build_context import BuildContext
     from mamo_core.cli.workbench import Workbench
+    from mamo_core.interfaces.transition_model import Replay
     from mamo_core.types.motion import Motion
     from mamo_core.types.scene import SceneState
     from mamo_core.types.solution import Budget, Statistics
@@ -76,7 +79,7 @@ def _pick_place(context: BuildContext, options: PickPlaceOptions) -> Any:
 
 
 def _search_parts(
-    context: BuildContext, uncertainty: Uncertainty | None = None, nearby: Room | None = None
+    context: BuildContext, uncertainty: Uncertainty | None = None, nearby: Nearby | None = None
 ) -> SearchParts:
     """``nearby``: with what room actions must hold in worlds close to the problem's, too."""
     from mamo_core.robots.contact_free import check_meshes
@@ -97,7 +100,7 @@ def _search_parts(
     strict = stricter(problem, uncertainty) if uncertainty is not None else problem
     if strict is not problem:
         backend = quick = context.part("engine_for")(strict)
-    replays = context.part("replays")(stricter(problem, nearby)) if nearby is not None else ()
+    replays = _replays(context, nearby) if nearby is not None else ()
     if uncertainty is not None and uncertainty.backend:
         quick = context.part("engine_for")(strict, uncertainty.backend)
 
@@ -140,6 +143,15 @@ def _search_parts(
         execution,
         partial(context.part("verifier"), replays=False),
     )
+
+
+def _replays(context: BuildContext, nearby: Nearby) -> tuple[Replay, ...]:
+    from mamo_planners.search.uncertainty import stricter
+
+    wider = Deviation(nearby.deviation, math.radians(nearby.deviation_deg))
+    strict = stricter(context.problem, nearby)
+    found: tuple[Replay, ...] = context.part("replays")(strict, wider, nearby.worlds)
+    return found
 
 
 def _greedy(context: BuildContext, options: GreedyOptions) -> Any:

@@ -38,7 +38,7 @@ class Room(Options):
 class GreedyOptions(Options):
     """Options of ``greedy`` (M4M)."""
 
-    nearby: Room | None = Field(None, description=_NEARBY)
+    nearby: Nearby | None = Field(None, description=_NEARBY)
     iterate: bool = Field(True, description="solve the MAPF problem again after every valid push")
     regions: int = Field(
         4, ge=1, description="retrievals drawn for the NGR; the least occupied one is taken"
@@ -59,6 +59,16 @@ class GreedyOptions(Options):
 
     def needs(self) -> Mapping[str, frozenset[str]]:
         return _needs_of(self.nearby)
+
+
+class Nearby(Room):
+    """The worlds close to the problem's, and others farther from it."""
+
+    worlds: int = Field(0, ge=0, description="more worlds in which everything must hold")
+    deviation: float = Field(
+        0.001, ge=0.0, description="how far objects stand elsewhere in these, m"
+    )
+    deviation_deg: float = Field(0.5, ge=0.0, description="and how far they are turned, degrees")
 
 
 def _needs_of(*rooms: Room | None) -> Mapping[str, frozenset[str]]:
@@ -110,7 +120,7 @@ class GraphOptions(Options):
     uncertainty: Uncertainty | None = Field(
         None, description="sampled masses and frictions instead of the problem's (6.3.4)"
     )
-    nearby: Room | None = Field(None, description=_NEARBY)
+    nearby: Nearby | None = Field(None, description=_NEARBY)
     lazy: bool = Field(False, description="evaluate actions only when they come first (6.3.3)")
     positive_database: bool = Field(True, description="use valid pushes again (5.5.2)")
     negative_database: bool = Field(True, description="avoid goals near failed ones (5.5.1)")
