@@ -110,7 +110,7 @@ def make_verifier(context: BuildContext, engines: VerifiersEngines) -> PlanVerif
         else:
             report = verify_executed(problem, plan, executed, robot)
         if report.ok and replays:
-            report = verify_replays(report, plan, engines.replays(), parameters)
+            report = verify_replays(report, problem, plan, engines.replays(), robot, parameters)
         for name, other in context.accept_in:
             if not report.ok:
                 break

@@ -9,6 +9,7 @@ import numpy as np
 
 from mamo_core.interfaces.transition_model import Replay, RolloutOptions, TransitionModel
 from mamo_core.robots.contact_free import check_meshes
+from mamo_core.robots.exact_collision import ExactChecker
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.motion import Motion, MotionSegment
 from mamo_core.types.problem import Problem, Task
@@ -95,12 +96,15 @@ def verify_executed(
 
 def verify_replays(
     report: VerifyReport,
+    problem: Problem,
     plan: Plan,
     replays: Sequence[Replay],
+    robot: ArmModel,
     parameters: ParameterOverrides | None = None,
 ) -> VerifyReport:
     """What else is found in worlds close to the problem's; ``kinds`` of failures: replay."""
-    found = check_replays(plan.motions, replays, parameters)
+    checker = ExactChecker(problem.scene, robot)
+    found = check_replays(plan.motions, replays, checker, problem.scene, robot, parameters)
     return replace(report, failures=tuple(found), kinds=("replay",)) if found else report
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -111,16 +112,27 @@ class Motion:
         opening = self.segments[first - 1].opening if first else self.opening
         return Motion(self.segments[first:], opening)
 
-    def touching(self) -> Motion:
-        """From where the arm may first touch something to where it may do so last.
+    def parts(self) -> MotionParts:
+        """From where the arm may first touch something to where it may do so last, and the rest.
 
-        What comes before and after is contact-free, which meshes show; of a retrieval that leaves
-        how the target is taken and lifted. A motion in which nothing is touched stays whole.
+        What comes before and after is contact-free; of a retrieval that leaves how the target is
+        taken and lifted. A motion in which nothing is touched is all in the middle.
         """
         rest = self.after_transit()
+        begin = len(self.segments) - len(rest.segments)
         ends = [
             number
             for number, segment in enumerate(rest.segments, start=1)
             if not segment.contact_free or segment.kind is SegmentKind.LIFT
         ]
-        return Motion(rest.segments[: ends[-1]], rest.opening) if ends else rest
+        end = ends[-1] if ends else len(rest.segments)
+        touching = Motion(rest.segments[:end], rest.opening)
+        return MotionParts(self.segments[:begin], touching, rest.segments[end:])
+
+
+class MotionParts(NamedTuple):
+    """A motion in three parts: only in the middle something may be touched."""
+
+    before: tuple[MotionSegment, ...]
+    touching: Motion
+    after: tuple[MotionSegment, ...]

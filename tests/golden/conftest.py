@@ -167,6 +167,7 @@ class Search:
             StraightArm(),
             lambda motion, states: True,
             self.clear,
+            lambda segments, state, opening: True,
         )
         return Execution(self.problem, *parts, statistics, budget, tolerated)
 

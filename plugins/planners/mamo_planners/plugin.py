@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from mamo_core.build_context import BuildContext
     from mamo_core.cli.workbench import Workbench
     from mamo_core.interfaces.transition_model import Replay
-    from mamo_core.types.motion import Motion
+    from mamo_core.types.motion import Motion, MotionSegment
     from mamo_core.types.scene import SceneState
     from mamo_core.types.solution import Budget, Statistics
     from mamo_planners.reaching.stand import ReachingParts
@@ -83,6 +83,8 @@ def _search_parts(
 ) -> SearchParts:
     """``nearby``: with what room actions must hold in worlds close to the problem's, too."""
     from mamo_core.robots.contact_free import check_meshes
+    from mamo_core.robots.exact_collision import ExactChecker
+    from mamo_core.robots.passage import passes
     from mamo_planners.search.clearance import keeps_clear
     from mamo_planners.search.execution import Execution
     from mamo_planners.search.run import SearchParts
@@ -95,6 +97,15 @@ def _search_parts(
 
     def contact_free(motion: Motion, states: Sequence[SceneState]) -> bool:
         return not check_meshes(scene, motion.segments, states, robot, motion.opening)
+
+    exact = ExactChecker(scene, robot)
+
+    def passing(segments: Sequence[MotionSegment], state: SceneState, opening: float) -> bool:
+        # What the quick one calls free, the exact one does, too.
+        return any(
+            passes(checker, scene, robot, segments, state, opening)
+            for checker in (collision, exact)
+        )
 
     backend = quick = context.part("backend")
     strict = stricter(problem, uncertainty) if uncertainty is not None else problem
@@ -129,6 +140,7 @@ def _search_parts(
             context.part("arm_planner"),
             contact_free,
             clear,
+            passing,
             statistics,
             budget,
             tolerated,

@@ -20,7 +20,7 @@ from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Budget, Statistics
 from mamo_planners.search.followers import Clear, ContactFree, Samples, Witnesses, split
 from mamo_planners.search.judging import Accept, Judge
-from mamo_planners.search.neighbours import Neighbours
+from mamo_planners.search.neighbours import Neighbours, Passes
 from mamo_planners.search.rollouts import KEEP, Rollouts
 from mamo_planners.search.safety import SafetyMargin
 from mamo_planners.search.stand import Engine, Line, Stand
@@ -52,6 +52,7 @@ class Execution:
         arm_planner: ArmPlanner,
         contact_free: ContactFree,
         clear: Clear,
+        passes: Passes,
         statistics: Statistics,
         budget: Budget,
         tolerated: int = 0,
@@ -72,7 +73,7 @@ class Execution:
         asks = self._rollouts, self._judge, statistics
         self._samples = Samples(collision, contact_free, clear, *asks, needed)
         self._witnesses = Witnesses(contact_free, *asks)
-        self._neighbours = Neighbours(*asks)
+        self._neighbours = Neighbours(passes, *asks)
 
     def after(
         self, stand: Stand, action: RearrangementAction, accept: Accept | None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.types.motion import Motion
@@ -36,6 +37,12 @@ class Rollouts:
         self._charge(result)
         return result
 
+    def from_rest(self, line: Line, motion: Motion) -> RolloutResult:
+        """What happens when an engine executes all of ``motion`` from rest."""
+        begin = line.state.with_joints(motion.start)
+        whole = replace(line, engine=replace(line.engine, continuous=True), state=begin, token=None)
+        return self.one(whole, motion, None)
+
     def side_by_side(self, lines: Sequence[Line], motion: Motion) -> list[RolloutResult]:
         """The same for several lines of one model."""
         if len(lines) == 1:
@@ -62,5 +69,5 @@ def _job(line: Line, motion: Motion) -> tuple[SceneState, Motion]:
     """What an engine executes, and from where."""
     if line.engine.continuous:
         return line.state, motion
-    sweep = motion.touching() if line.engine.nearby else motion.after_transit()
+    sweep = motion.after_transit()
     return line.state.with_joints(sweep.start), sweep
