@@ -20,7 +20,7 @@ class StepObservation(NamedTuple):
 
     ``positions`` (n, 3) m and ``z_axes`` (n, 3), world; ``velocities`` (n, 3) m/s of the centres;
     ``contacts`` (k, 2) entity numbers, each pair in ascending order; ``held``: place of the
-    attached object, or -1.
+    object in the hand (attached to it, being closed on, or let go of), or -1.
     """
 
     time: float

@@ -110,12 +110,12 @@ class MuJoCoWorld(SimulatedWorld):
         return at_rest(self._qvel, self._index.free_qvel, speed, spin)
 
     def hold(self, place: int) -> None:
-        """Weld the object to the tool link."""
-        self._data.eq_active[:] = 0
-        if place < 0:
+        """Weld the object to the tool link, unless the fingers have to hold it."""
+        welds = self._index.welds
+        self._data.eq_active[welds[welds >= 0]] = 0
+        weld = int(welds[place]) if place >= 0 else -1
+        if weld < 0:
             return
-        name = self._problem.scene.objects[place].name
-        weld = self._model.equality(f"hold:{name}").id
         tool, item = self._index.tool_body, self._index.bodies[place]
         T = invert(_body_matrix(self._data, tool)) @ _body_matrix(self._data, item)
         self._model.eq_data[weld, :3] = 0.0

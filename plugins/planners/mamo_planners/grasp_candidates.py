@@ -11,6 +11,7 @@ import numpy as np
 from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld, HeldObject
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.robots.exact_collision import ExactChecker
+from mamo_core.robots.grasps import widths_between_fingers
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array, matrices_from_poses, matrix_from_pose
 from mamo_core.types.problem import Grasp, Problem
@@ -29,11 +30,13 @@ _APPROACH_SHARES = (1.0, 0.65, 0.45, 0.3)
 class Candidate:
     """A grasp the arm can reach past fixtures and immovables: ``reach`` and ``lift`` (k, dof).
 
-    ``number``: of the grasp in the problem. ``held``: the target in the hand.
+    ``number``: of the grasp in the problem. ``width``: what the target leaves between the fingers,
+    m. ``held``: the target in the hand.
     """
 
     number: int
     grasp: Grasp
+    width: float
     reach: Array
     lift: Array
     held: HeldObject
@@ -123,15 +126,15 @@ class GraspCandidates:
         self.causes["reach_blocked"] += len(ways) - len(open_ways)
         if not open_ways:
             return []
-        held = self.held_at(T_grasp)
-        carried = self._carried(number, held)
+        held, grasp = self.held_at(T_grasp), self._problem.grasps[number]
+        width = self._width(grasp)
+        carried = self._carried(width, held)
         if not carried.free(self._problem.home)[0]:
             self.causes["home_blocked"] += 1
             return []
         lifted = [(back, self._lift_path(q, carried)) for q, back in open_ways]
-        grasp = self._problem.grasps[number]
         found = [
-            Candidate(number, grasp, back[::-1], lift, held)
+            Candidate(number, grasp, width, back[::-1], lift, held)
             for back, lift in lifted
             if lift is not None
         ]
@@ -176,11 +179,15 @@ class GraspCandidates:
                 return line.path
         return None
 
-    def _carried(self, number: int, held: HeldObject) -> CollisionWorld:
-        """Fixtures and immovables around the arm that holds the target."""
+    def _width(self, grasp: Grasp) -> float:
+        T_object_tool = matrix_from_pose(grasp.T_object_tool)
+        return float(widths_between_fingers(self._target.shape, T_object_tool[None])[0])
+
+    def _carried(self, width: float, held: HeldObject) -> CollisionWorld:
+        """Fixtures and immovables around the arm that holds the target, its fingers closed on it."""
         return self._collision.world(
             self._problem.initial.object_poses,
-            opening=self._problem.grasps[number].opening,
+            opening=width,
             ignore=[self._target.name, *self._movables],
             held=held,
         )
