@@ -12,6 +12,7 @@ from mamo_core.types.geometry import Array, IntArray, invert, matrix_from_pose, 
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import NO_CONTACTS, StepObservation, Watch
 from mamo_core.types.scene import SceneState
+from mamo_mujoco.fingers import FrictionHold
 from mamo_mujoco.kernels import at_rest, command, contact_pairs, observe
 from mamo_mujoco.loop import Memory, Places, follow, wait
 from mamo_mujoco.memory import contacts_of
@@ -45,6 +46,9 @@ class MuJoCoWorld(SimulatedWorld):
         self._problem, self._model, self._index, self._lead = problem, model, index, lead
         self._data = mujoco.MjData(model)
         self._sleep_at_once = sleep_at_once
+        self._substeps = 1
+        geoms = [model.geom(o.name).id for o in problem.scene.objects]
+        self._pads = FrictionHold(model, geoms) if (index.welds < 0).all() else None
         self.time_step = float(model.opt.timestep)
         self._objects = np.stack([index.bodies, np.full_like(index.bodies, -1)], axis=1)
         self._objects[index.free, 1] = index.free_qvel
@@ -65,6 +69,7 @@ class MuJoCoWorld(SimulatedWorld):
     def reset(self, state: SceneState, drive: float) -> None:
         data, index = self._data, self._index
         mujoco.mj_resetData(self._model, data)
+        self.hold(-1)
         self._qpos[index.arm_qpos] = state.joint_positions
         self._qpos[index.finger_qpos] = drive
         self._qpos[self._pose_qpos] = state.object_poses[index.free]
@@ -78,7 +83,7 @@ class MuJoCoWorld(SimulatedWorld):
         command(self._ctrl, positions, velocities, self._lead, drive)
 
     def step(self) -> None:
-        mujoco.mj_step(self._model, self._data)
+        mujoco.mj_step(self._model, self._data, self._substeps)
 
     def observe(self, time: float, held: int) -> StepObservation:
         observe(self._xpos, self._xmat, self._qvel, self._objects, self._seen)
@@ -113,6 +118,11 @@ class MuJoCoWorld(SimulatedWorld):
         """Weld the object to the tool link, unless the fingers have to hold it."""
         welds = self._index.welds
         self._data.eq_active[welds[welds >= 0]] = 0
+        if self._pads is not None:
+            self._pads.hold(place)
+            import os
+            self._substeps = int(os.environ.get("SUB","1")) if place >= 0 else 1
+            self._model.opt.timestep = self.time_step / self._substeps
         weld = int(welds[place]) if place >= 0 else -1
         if weld < 0:
             return
@@ -125,13 +135,13 @@ class MuJoCoWorld(SimulatedWorld):
     def follow(
         self, positions: Array, velocities: Array, drives: Array, watch: Watch | None
     ) -> int:
-        if watch is None:
+        if watch is None or self._substeps > 1:
             return super().follow(positions, velocities, drives, watch)
         commands = positions, velocities, drives
         return follow(self._memory, self._places, watch, self._seen, *commands, self._lead)
 
     def wait(self, end: Array, steps: int, speed: float, spin: float, watch: Watch | None) -> int:
-        if watch is None:
+        if watch is None or self._substeps > 1:
             return super().wait(end, steps, speed, spin, watch)
         return wait(self._memory, self._places, watch, self._seen, end, steps, speed, spin)
 

@@ -50,5 +50,30 @@ def couple_fingers(spec: Any, arm: ArmModel, solref: list[float]) -> None:
         tie.solref = solref
 
 
-def give_pads(spec: Any, arm: ArmModel) -> None:
-    """Soft pads on the fingers, which resist twisting, too, and contacts that do not creep."""
+import os
+
+
+class FrictionHold:
+    """Makes a world's contacts what soft pads need while something is in the hand.
+
+    Everything else happens as if it held things by welds, bit for bit.
+    """
+
+    def __init__(self, model: Any, geoms: Any) -> None:
+        self._model, self._geoms = model, geoms
+        self._place = -1
+
+    def hold(self, place: int) -> None:
+        """Object number ``place`` is in the hand from now on; -1: nothing."""
+        model = self._model
+        if self._place >= 0:
+            geom = self._geoms[self._place]
+            model.geom_condim[geom] = 3
+        model.opt.impratio, model.opt.noslip_iterations = 1.0, 0
+        self._place = place
+        if place >= 0:
+            geom = self._geoms[place]
+            model.geom_condim[geom] = int(os.environ.get("DIM", "4"))
+            model.geom_friction[geom, 1] = float(os.environ.get("R", "0.005")) * model.geom_friction[geom, 0]
+            model.opt.impratio = float(os.environ.get("IMP", "1"))
+            model.opt.noslip_iterations = int(os.environ.get("NOSLIP", "0"))

@@ -21,7 +21,7 @@ from mamo_core.types.geometry import Array, Box, IntArray, Shape, matrix_from_po
 from mamo_core.types.problem import Problem
 from mamo_core.types.scene import Mobility
 from mamo_mujoco.clearance import add_immovable_pairs, keep_clear
-from mamo_mujoco.fingers import add_finger_servo, add_servo, couple_fingers, give_pads
+from mamo_mujoco.fingers import add_finger_servo, add_servo, couple_fingers
 from mamo_mujoco.options import MuJoCoOptions
 
 _ROBOT, _OBJECT, _FIXTURE = 1, 2, 4
@@ -87,8 +87,6 @@ def build_model(
     _add_friction_pairs(spec, problem, options)
     if options.grasp == "weld":
         _add_weld(spec, problem, arm, options)
-    else:
-        give_pads(spec, arm)
     if not options.arm_meets_fixtures:
         _part_arm_and_fixtures(spec)
     if clearance == 0.0:

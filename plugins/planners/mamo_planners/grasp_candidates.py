@@ -12,8 +12,9 @@ from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWo
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.robots.exact_collision import ExactChecker
 from mamo_core.robots.grasps import widths_between_fingers
+from mamo_core.robots.grip import grip_fault
 from mamo_core.robots.model import ArmModel
-from mamo_core.types.geometry import Array, matrices_from_poses, matrix_from_pose
+from mamo_core.types.geometry import Array, invert, matrices_from_poses, matrix_from_pose
 from mamo_core.types.problem import Grasp, Problem
 from mamo_core.types.scene import Mobility
 from mamo_planners.options import RetrievalOptions
@@ -115,6 +116,13 @@ class GraspCandidates:
         rng: np.random.Generator,
     ) -> list[Candidate]:
         """The ways in and up for one grasp."""
+        grasp = self._problem.grasps[number]
+        width = self._width(grasp)
+        T_tool_target = invert(matrix_from_pose(grasp.T_object_tool))
+        fault = grip_fault(self._target, T_tool_target, width, self._arm)
+        if fault is not None:
+            self.causes[fault] += 1
+            return []
         solutions = self._kinematics.inverse(T_grasp, rng, count=branches)
         if not len(solutions):
             self.causes["grasp_no_ik"] += 1
@@ -126,8 +134,7 @@ class GraspCandidates:
         self.causes["reach_blocked"] += len(ways) - len(open_ways)
         if not open_ways:
             return []
-        held, grasp = self.held_at(T_grasp), self._problem.grasps[number]
-        width = self._width(grasp)
+        held = self.held_at(T_grasp)
         carried = self._carried(width, held)
         if not carried.free(self._problem.home)[0]:
             self.causes["home_blocked"] += 1
