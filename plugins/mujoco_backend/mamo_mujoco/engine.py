@@ -30,6 +30,7 @@ class MuJoCoWorld(SimulatedWorld):
     """A compiled model with its data; ``lead`` (s) makes the servos track without lag.
 
     ``sleep_at_once``: objects that do not begin to move are not watched before they sleep.
+    ``pads``: what holds things if there are no welds.
     """
 
     exact_snapshots: ClassVar[bool] = True
@@ -42,13 +43,13 @@ class MuJoCoWorld(SimulatedWorld):
         lead: float,
         *,
         sleep_at_once: bool = False,
+        pads: FrictionHold | None = None,
     ) -> None:
         self._problem, self._model, self._index, self._lead = problem, model, index, lead
         self._data = mujoco.MjData(model)
         self._sleep_at_once = sleep_at_once
-        self._substeps = 1
-        geoms = [model.geom(o.name).id for o in problem.scene.objects]
-        self._pads = FrictionHold(model, geoms) if (index.welds < 0).all() else None
+        self._place, self._substeps = -1, 1
+        self._pads = pads
         self.time_step = float(model.opt.timestep)
         self._objects = np.stack([index.bodies, np.full_like(index.bodies, -1)], axis=1)
         self._objects[index.free, 1] = index.free_qvel
@@ -118,14 +119,13 @@ class MuJoCoWorld(SimulatedWorld):
         """Weld the object to the tool link, unless the fingers have to hold it."""
         welds = self._index.welds
         self._data.eq_active[welds[welds >= 0]] = 0
+        self._place = place
         if self._pads is not None:
-            self._pads.hold(place)
-            import os
-            self._substeps = int(os.environ.get("SUB","1")) if place >= 0 else 1
-            self._model.opt.timestep = self.time_step / self._substeps
-        weld = int(welds[place]) if place >= 0 else -1
-        if weld < 0:
+            self._substeps = self._pads.hold(place)
             return
+        if place < 0:
+            return
+        weld = int(welds[place])
         tool, item = self._index.tool_body, self._index.bodies[place]
         T = invert(_body_matrix(self._data, tool)) @ _body_matrix(self._data, item)
         self._model.eq_data[weld, :3] = 0.0
@@ -148,10 +148,14 @@ class MuJoCoWorld(SimulatedWorld):
     def snapshot(self) -> Any:
         """All that a step begins with; a copy of ``MjData`` takes far more memory and time."""
         counts = [getattr(self._data, name) for name in _COUNTS]
-        return [field.copy() for field in self._fields], counts, self._model.eq_data.copy()
+        fields = [field.copy() for field in self._fields]
+        return fields, counts, self._model.eq_data.copy(), self._place
 
     def restore(self, snapshot: Any) -> None:
-        fields, counts, welds = snapshot
+        fields, counts, welds, place = snapshot
+        self._place = place
+        if self._pads is not None:
+            self._substeps = self._pads.hold(place)
         for field, values in zip(self._fields, fields, strict=True):
             field[...] = values
         for name, value in zip(_COUNTS, counts, strict=True):

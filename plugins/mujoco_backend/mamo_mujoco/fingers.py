@@ -14,6 +14,15 @@ _QUICK = 0.5
 """Steps in which the phase of a finger on its servo's spring advances, rad: beyond 2 it explodes."""
 
 
+_FINE, _NO_SLIP, _TWISTING = 0.001, 10, 4
+"""While friction holds something: largest step (s), iterations against creep, contact dimensions
+(sliding and twisting)."""
+
+PAD_RADIUS = 0.005
+"""Lever of a pad's friction against twisting where it presses on a point, m: the mean distance from
+the middle of a stripe as high as the pads of known grippers (2 cm)."""
+
+
 def add_finger_servo(spec: Any, link: LinkModel, arm: ArmModel, time_step: float) -> None:
     """A critically damped servo that yields at the gripper's force.
 
@@ -50,30 +59,38 @@ def couple_fingers(spec: Any, arm: ArmModel, solref: list[float]) -> None:
         tie.solref = solref
 
 
-import os
-
-
 class FrictionHold:
-    """Makes a world's contacts what soft pads need while something is in the hand.
+    """Has fingers and friction hold things: a world's contacts become finer while they do.
 
-    Everything else happens as if it held things by welds, bit for bit.
+    Meanwhile steps are short, what sticks does not creep (MuJoCo's friction alone gives way a
+    little, as it is regularised), and pads resist twisting. Everything else happens as in a world
+    that holds things by welds, bit for bit.
     """
 
-    def __init__(self, model: Any, geoms: Any) -> None:
+    def __init__(self, model: Any, geoms: list[int]) -> None:
+        """``geoms``: of the objects, in their order."""
         self._model, self._geoms = model, geoms
-        self._place = -1
+        self._step = float(model.opt.timestep)
+        self._fine = int(np.ceil(self._step / _FINE - 1e-9))
+        self._kept = {geom: self._contact(geom) for geom in geoms}
 
-    def hold(self, place: int) -> None:
-        """Object number ``place`` is in the hand from now on; -1: nothing."""
+    def hold(self, place: int) -> int:
+        """Object number ``place`` is in the hand from now on; -1: nothing.
+
+        Returns into how many a step is divided.
+        """
         model = self._model
-        if self._place >= 0:
-            geom = self._geoms[self._place]
-            model.geom_condim[geom] = 3
-        model.opt.impratio, model.opt.noslip_iterations = 1.0, 0
-        self._place = place
+        for geom, (dimensions, torsion) in self._kept.items():
+            model.geom_condim[geom], model.geom_friction[geom, 1] = dimensions, torsion
+        substeps = 1 if place < 0 else self._fine
+        model.opt.timestep = self._step / substeps
+        model.opt.noslip_iterations = 0 if place < 0 else _NO_SLIP
         if place >= 0:
             geom = self._geoms[place]
-            model.geom_condim[geom] = int(os.environ.get("DIM", "4"))
-            model.geom_friction[geom, 1] = float(os.environ.get("R", "0.005")) * model.geom_friction[geom, 0]
-            model.opt.impratio = float(os.environ.get("IMP", "1"))
-            model.opt.noslip_iterations = int(os.environ.get("NOSLIP", "0"))
+            model.geom_condim[geom] = _TWISTING
+            model.geom_friction[geom, 1] = PAD_RADIUS * model.geom_friction[geom, 0]
+        return substeps
+
+    def _contact(self, geom: int) -> tuple[int, float]:
+        model = self._model
+        return int(model.geom_condim[geom]), float(model.geom_friction[geom, 1])
