@@ -67,9 +67,7 @@ def execute_by_friction(
     """
     segments = tuple(segment for motion in plan.motions for segment in motion.segments)
     whole = Motion(segments, plan.motions[0].opening)
-    rollout = model.rollout(
-        problem.initial, whole, options=RolloutOptions(stop_early=stop_early)
-    )
+    rollout = model.rollout(problem.initial, whole, options=RolloutOptions(stop_early=stop_early))
     failures = [f"by friction: {violation}" for violation in rollout.violations]
     if rollout.lost is not None:
         failures.append(f"by friction: {rollout.lost}")

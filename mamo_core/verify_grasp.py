@@ -25,9 +25,10 @@ from mamo_core.types.solution import Plan
 _STILL = 1e-6
 """The arm moves less than this while the fingers close, rad."""
 
-_BITE = 0.002
-"""With a gap smaller by this (m) both fingers must touch, with one larger by twice of it neither:
-each side gets half, and an object may shift and lean that little when it is pressed."""
+_OFF = 0.002
+"""How far an object may be off the middle between the fingers, m: engines push it a little when it
+is pressed. On each side the gap that is held must be too small with so much less, and free with so
+much more."""
 
 _SAME_GAP = 1e-6
 
@@ -119,9 +120,9 @@ def check_fingers(
         text = f"{segment.kind}: the fingers "
         if near.sides(states[closing], before[closing]):
             failures.append(f"{text}touch {hold.name!r} before they close on it")
-        if near.sides(states[first], held_gap - _BITE) != {-1, 1}:
+        if near.sides(states[first], held_gap - 2.0 * _OFF) != {-1, 1}:
             failures.append(f"{text}do not close on {hold.name!r} from both sides")
-        elif near.sides(states[first], held_gap + 2.0 * _BITE):
+        elif near.sides(states[first], held_gap + 2.0 * _OFF):
             failures.append(f"{text}are said to be closer than {hold.name!r} lets them")
         else:
             fault = near.fault(states[first], held_gap)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from mamo_core.robots.model import ArmModel, GripperModel
@@ -26,6 +28,34 @@ def finger_effort(arm: ArmModel) -> float:
 def finger_stiffness(arm: ArmModel) -> float:
     """Gain (N m/rad, or N/m) of a servo on each finger joint that gives way by ``GIVE``."""
     return finger_effort(arm) * _least_slope(arm.gripper) / (2.0 * GIVE)
+
+
+@dataclass(frozen=True)
+class FingerDrive:
+    """One finger joint in an engine that cannot couple joints.
+
+    ``effort``: the most it is driven with, N m or N. ``follows``: place among the finger joints of
+    the one where this one has to stand as well, by a linkage and not by a motor; None: it is driven.
+    """
+
+    effort: float
+    follows: int | None
+
+
+def finger_drives(arm: ArmModel, rigid: float) -> tuple[FingerDrive, ...]:
+    """How to drive finger joints apart: those of the hand's own fingers press, tips follow them.
+
+    ``rigid``: effort of a linkage, N m or N.
+    """
+    fingers = [n for n, link in enumerate(arm.links) if link.coordinate < 0]
+    parents = [arm.links[n].parent for n in fingers]
+    driven = sum(parent not in fingers for parent in parents)
+    return tuple(
+        FingerDrive(rigid, fingers.index(parent))
+        if parent in fingers
+        else FingerDrive(finger_effort(arm) * len(fingers) / driven, None)
+        for parent in parents
+    )
 
 
 def _least_slope(gripper: GripperModel) -> float:

@@ -127,9 +127,7 @@ def load_share(
     return weight / hold, weight * lever / (hold * patch.radius)
 
 
-def grip_fault(
-    item: SceneObject, T_tool_object: Array, width: float, arm: ArmModel
-) -> str | None:
+def grip_fault(item: SceneObject, T_tool_object: Array, width: float, arm: ArmModel) -> str | None:
     """Why the fingers, with ``width`` (m) of an object between them, cannot carry it, as a cause.
 
     ``grip_missed``: the pads are beside it; ``grip_too_weak``: it would slip; ``grip_would_turn``:

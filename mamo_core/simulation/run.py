@@ -89,7 +89,8 @@ class MotionRun:
         """Execute one segment; False if the rollout ends here."""
         self._hold(segment.held)
         self._in_hand = self._place(in_hand(segment))
-        told, trajectory = commanded(segment, self.opening), segment.trajectory
+        told = commanded(segment, self.opening, self._world.squeeze)
+        trajectory = segment.trajectory
         count = int(np.ceil(trajectory.duration / self._step - 1e-9))
         positions = trajectory.at(np.arange(1, count + 1, dtype=np.float64) * self._step)
         before = np.vstack([trajectory.positions[:1], positions[:-1]])

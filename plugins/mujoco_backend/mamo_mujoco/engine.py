@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from mamo_core.interfaces.simulated_world import SimulatedWorld
+from mamo_core.robots.fingers import GIVE
 from mamo_core.types.geometry import Array, IntArray, invert, matrix_from_pose, pose_from_matrix
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import NO_CONTACTS, StepObservation, Watch
@@ -34,6 +35,7 @@ class MuJoCoWorld(SimulatedWorld):
     """
 
     exact_snapshots: ClassVar[bool] = True
+    squeeze: ClassVar[float] = 4.0 * GIVE
 
     def __init__(
         self,
