@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if distances:
         print(
             f"{len(distances)} holds: median {np.median(distances):.1f} mm and "
-            f"{np.median(angles):.1f} deg, largest {max(distances):.1f} mm and {max(angles):.1f} deg"
+            f"{np.median(angles):.1f} deg, largest {max(distances):.1f} mm, {max(angles):.1f} deg"
         )
     print(f"{(time.process_time() - began) / len(reports):.2f} CPU s a plan")
 

@@ -61,8 +61,9 @@ def verify(
 
     Checked: form, joint limits, speeds and continuity of all trajectories; every interaction
     constraint at every step; contact-free segments against exact meshes, with the objects where
-    the execution left them; that the fingers close on what they hold, from both sides, and friction
-    carries it; that the task is done: the target ends in the hand, at home, or the open hand at a pre-grasp.
+    the execution left them; that the fingers close on what they hold, from both sides, and
+    friction carries it; that the task is done: the target ends in the hand, at home, or the open
+    hand at a pre-grasp.
     """
     static = [*check_form(problem, plan), *check_trajectories(problem, plan, robot)]
     if static:

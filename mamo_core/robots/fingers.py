@@ -35,7 +35,7 @@ class FingerDrive:
     """One finger joint in an engine that cannot couple joints.
 
     ``effort``: the most it is driven with, N m or N. ``follows``: place among the finger joints of
-    the one where this one has to stand as well, by a linkage and not by a motor; None: it is driven.
+    the one where this one has to stand as well, by a linkage; None: a motor drives it.
     """
 
     effort: float

@@ -55,10 +55,11 @@ class MotionSegment:
     """One stretch of a motion.
 
     ``opening``: gap between the fingers (m) at the end of the segment, reached linearly in time;
-    what is held, or closed on, fills it, and the fingers press with the gripper's force. ``held``: object attached to the tool during the segment; it is attached where it is
-    when the segment starts. ``contact_free``: nothing but what is in the hand may touch the arm.
-    ``settle``: the longest time (s) to wait afterwards until every object rests. ``closes_on``:
-    object the fingers close on, or let go of, during the segment: they may touch it meanwhile.
+    what is held, or closed on, fills it, and the fingers press with the gripper's force. ``held``:
+    object attached to the tool during the segment; it is attached where it is when the segment
+    starts. ``contact_free``: nothing but what is in the hand may touch the arm. ``settle``: the
+    longest time (s) to wait afterwards until every object rests. ``closes_on``: object the fingers
+    close on, or let go of, during the segment: they may touch it meanwhile.
     """
 
     kind: SegmentKind

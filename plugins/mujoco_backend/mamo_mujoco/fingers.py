@@ -11,7 +11,7 @@ from mamo_core.robots.fingers import finger_effort, finger_stiffness
 from mamo_core.robots.model import ArmModel, LinkModel
 
 _QUICK = 0.5
-"""Steps in which the phase of a finger on its servo's spring advances, rad: beyond 2 it explodes."""
+"""By so much the phase of a finger on its servo's spring advances in a step, rad: 2 explodes."""
 
 
 _FINE, _NO_SLIP, _TWISTING = 0.001, 10, 4

@@ -191,7 +191,7 @@ class GraspCandidates:
         return float(widths_between_fingers(self._target.shape, T_object_tool[None])[0])
 
     def _carried(self, width: float, held: HeldObject) -> CollisionWorld:
-        """Fixtures and immovables around the arm that holds the target, its fingers closed on it."""
+        """Fixtures and immovables around the arm that holds the target, closed on it."""
         return self._collision.world(
             self._problem.initial.object_poses,
             opening=width,
