@@ -14,9 +14,11 @@ _QUICK = 0.5
 """By so much the phase of a finger on its servo's spring advances in a step, rad: 2 explodes."""
 
 
-_FINE, _NO_SLIP, _TWISTING = 0.001, 10, 4
+_FINE, _NO_SLIP, _TWISTING, _STIFF = 0.001, 10, 4, 2.0
 """While friction holds something: largest step (s), iterations against creep, contact dimensions
-(sliding and twisting)."""
+(sliding and twisting), and the time constant of contacts in steps. The engine leaves out how contacts
+turn with the bodies, so that what a turning hand holds slides by the square of its rate, its distance
+from the axis and this constant: contacts must be stiff, and steps short for them."""
 
 PAD_RADIUS = 0.005
 """Lever of a pad's friction against twisting where it presses on a point, m: the mean distance from
@@ -30,10 +32,11 @@ def add_finger_servo(spec: Any, link: LinkModel, arm: ArmModel, time_step: float
     moves them is not.
     """
     stiffness = finger_stiffness(arm)
-    armature = stiffness * (time_step / _QUICK) ** 2
-    spec.joint(link.name).armature = armature
-    damping = 2.0 * float(np.sqrt(stiffness * armature))
-    add_servo(spec, link, stiffness, damping, finger_effort(arm))
+    joint = spec.joint(link.name)
+    joint.armature = stiffness * (time_step / _QUICK) ** 2
+    # Not of the servo, which has no damping left where it presses with all it has.
+    joint.damping[0] = 2.0 * float(np.sqrt(stiffness * joint.armature))
+    add_servo(spec, link, stiffness, 0.0, finger_effort(arm))
 
 
 def add_servo(spec: Any, link: LinkModel, kp: float, kv: float, limit: float) -> None:
@@ -80,8 +83,9 @@ class FrictionHold:
         Returns into how many a step is divided.
         """
         model = self._model
-        for geom, (dimensions, torsion) in self._kept.items():
+        for geom, (dimensions, torsion, stiff) in self._kept.items():
             model.geom_condim[geom], model.geom_friction[geom, 1] = dimensions, torsion
+            model.geom_solref[geom] = stiff
         substeps = 1 if place < 0 else self._fine
         model.opt.timestep = self._step / substeps
         model.opt.noslip_iterations = 0 if place < 0 else _NO_SLIP
@@ -89,8 +93,10 @@ class FrictionHold:
             geom = self._geoms[place]
             model.geom_condim[geom] = _TWISTING
             model.geom_friction[geom, 1] = PAD_RADIUS * model.geom_friction[geom, 0]
+            model.geom_solref[geom, 0] = _STIFF * model.opt.timestep
         return substeps
 
-    def _contact(self, geom: int) -> tuple[int, float]:
+    def _contact(self, geom: int) -> tuple[int, float, Any]:
         model = self._model
-        return int(model.geom_condim[geom]), float(model.geom_friction[geom, 1])
+        stiff = model.geom_solref[geom].copy()
+        return int(model.geom_condim[geom]), float(model.geom_friction[geom, 1]), stiff
