@@ -16,9 +16,9 @@ _QUICK = 0.5
 
 _FINE, _NO_SLIP, _TWISTING, _STIFF = 0.001, 10, 4, 2.0
 """While friction holds something: largest step (s), iterations against creep, contact dimensions
-(sliding and twisting), and the time constant of contacts in steps. The engine leaves out how contacts
-turn with the bodies, so that what a turning hand holds slides by the square of its rate, its distance
-from the axis and this constant: contacts must be stiff, and steps short for them."""
+(sliding and twisting), and the time constant of contacts in steps. The engine leaves out how
+contacts turn with the bodies, so that what a turning hand holds slides by the square of its rate
+times its distance from the axis times this constant: contacts are stiff, and steps short enough."""
 
 PAD_RADIUS = 0.005
 """Lever of a pad's friction against twisting where it presses on a point, m: the mean distance from
