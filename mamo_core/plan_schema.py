@@ -23,7 +23,7 @@ class SegmentDocument(_Document):
     positions: tuple[tuple[float, ...], ...] = Field(description="joint positions at times, rad")
     opening: float = Field(description="gap between the fingers at the end, m")
     held: str | None = Field(description="object attached to the tool")
-    contact_free: bool = Field(description="nothing but the held object may touch the arm")
+    contact_free: bool = Field(description="nothing but what is in the hand may touch the arm")
     settle: float = Field(ge=0.0, description="longest wait for objects to rest, s")
     closes_on: str | None = Field(description="object the fingers close on, or let go of")
 

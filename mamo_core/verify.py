@@ -16,8 +16,9 @@ from mamo_core.types.problem import Problem, Task
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import Mobility
 from mamo_core.types.solution import Plan
+from mamo_core.verify_grasp import check_fingers, check_handling
 from mamo_core.verify_replays import check_replays
-from mamo_core.verify_task import check_closed, check_grasp, check_reached, check_retrieved
+from mamo_core.verify_task import check_grasp, check_reached, check_retrieved
 
 _CONTINUITY = 1e-6
 _LIMIT_SLACK = 1e-6
@@ -62,8 +63,9 @@ def verify(
 
     Checked: form, joint limits, speeds and continuity of all trajectories; every interaction
     constraint at every step; contact-free segments against exact meshes, with the objects where
-    the execution left them; that the fingers close on what they pick up to rearrange it; that the
-    task is done: the target ends in the hand, at home, or the open hand at a pre-grasp.
+    the execution left them; that the fingers close on what they hold, from both sides, and
+    friction carries it; that the task is done: the target ends in the hand, at home, or the open
+    hand at a pre-grasp.
     """
     static = [*check_form(problem, plan), *check_trajectories(problem, plan, robot)]
     if static:
@@ -116,7 +118,7 @@ def _judged(problem: Problem, plan: Plan, rollout: RolloutResult, robot: ArmMode
         states = rollout.segment_states
         found = {
             "mesh": check_meshes(problem.scene, segments, states, robot, opening),
-            "grasp": check_closed(problem, segments, states, robot, opening),
+            "grasp": check_fingers(problem, segments, states, robot, opening),
         }
         if problem.task is Task.REACH:
             found["not_reached"] = check_reached(problem, segments[-1], robot)
@@ -191,7 +193,7 @@ def check_form(problem: Problem, plan: Plan) -> list[str]:
             failures.append("the reach holds an object")
     elif held[-1] != target or any(name not in (None, target) for name in held):
         failures.append(f"the retrieval does not end with {target!r} in the hand")
-    return failures
+    return failures if failures else check_handling(plan)
 
 
 def check_trajectories(problem: Problem, plan: Plan, robot: ArmModel) -> list[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from mamo_core.robots.exact_collision import ExactChecker
 from mamo_core.robots.kinematics import tool_transform
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array, invert, matrix_from_pose
@@ -67,52 +66,6 @@ def _same_pose(T: Array, G: Array) -> bool:
     cosine = (np.trace(T[:3, :3].T @ G[:3, :3]) - 1.0) / 2.0
     turned = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
     return bool(np.linalg.norm(T[:3, 3] - G[:3, 3]) <= _OFF and turned <= _TURNED)
-
-
-def check_closed(
-    problem: Problem,
-    segments: tuple[MotionSegment, ...],
-    states: tuple[SceneState, ...],
-    robot: ArmModel,
-    opening: float,
-) -> list[str]:
-    """A rearranged object is held only after the fingers closed on it, on exact meshes.
-
-    With the fingers as they were before they closed the hand must be clear of the object, as
-    commanded then it must touch it. ``opening`` (m): the gripper's before the first segment.
-    """
-    scene = problem.scene
-    target = scene.objects[scene.target_index].name
-    failures = []
-    openings = [opening, opening, *(segment.opening for segment in segments)]
-    held_before = [None, *(segment.held for segment in segments)]
-    for number, (segment, state) in enumerate(zip(segments, states, strict=True)):
-        name = segment.held
-        if name in (None, target, held_before[number]):
-            continue
-        others = [item for item in scene.entities[1:] if item != name]
-        free = [
-            _exact_free(problem, state, robot, width, others, segment)
-            for width in openings[number : number + 2]
-        ]
-        if free != [True, False]:
-            failures.append(f"{segment.kind}: the fingers do not close on {name!r} before")
-    return failures
-
-
-def _exact_free(
-    problem: Problem,
-    state: SceneState,
-    robot: ArmModel,
-    width: float,
-    ignore: list[str],
-    segment: MotionSegment,
-) -> bool:
-    """Whether the arm's meshes are clear where the segment starts, the fingers at ``width``."""
-    world = ExactChecker(problem.scene, robot).world(
-        state.object_poses, opening=width, ignore=ignore
-    )
-    return bool(world.free(segment.trajectory.positions[:1])[0])
 
 
 def _first_held(problem: Problem, segments: tuple[MotionSegment, ...]) -> int:

@@ -19,6 +19,14 @@ class SimulatedWorld(ABC):
     exact_snapshots: ClassVar[bool] = False
     """Whether ``snapshot`` and ``restore`` continue bit for bit; otherwise motions are replayed."""
 
+    squeeze: ClassVar[float] = 0.001
+    """How much farther than the gap that an object leaves them fingers are sent to press it, m.
+
+    An engine that welds what is held need only see that they touch. One that presses with the
+    gripper's force sends them farther than it takes to reach that, so that an object that is a
+    little narrower than it should be is pressed all the same.
+    """
+
     time_step: float
     """Simulated seconds of one ``step``."""
 

@@ -31,7 +31,7 @@ def check_meshes(
     for segment, state in zip(segments, states, strict=True):
         # The fingers move during a segment: both ends of their way are checked.
         for width in {before, segment.opening} if segment.contact_free else ():
-            ignore = [segment.held] if segment.held is not None else []
+            ignore = [name for name in (segment.held, segment.closes_on) if name is not None]
             world = checker.world(state.object_poses, opening=width, ignore=ignore)
             rows = interpolated(segment.trajectory.positions, _MESH_STEP)
             touched = world.first_touched(rows)

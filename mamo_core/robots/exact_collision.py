@@ -98,6 +98,21 @@ class ExactWorld(CollisionWorld):
         """Name of something the arm (or the held object) touches at configurations (k, dof)."""
         return next((name for _, name in self._touching(np.atleast_2d(configurations))), None)
 
+    def touching_links(self, configuration: Array) -> frozenset[int]:
+        """Numbers of the links whose meshes touch something at a configuration (dof,)."""
+        import fcl
+
+        rows = configuration[None, :]
+        links = link_transforms_along(self._arm, rows, self._opening)
+        T_world_pieces = self._T_world_base @ (links[self._links] @ self._T_link_pieces)
+        touching = set()
+        for _, k, j in self._near(T_world_pieces).tolist():
+            transform = _fcl_transform(fcl, T_world_pieces[k, 0])
+            piece = fcl.CollisionObject(self._pieces[k].geometry, transform)
+            if fcl.collide(piece, self._obstacles[j].item):
+                touching.add(self._pieces[k].number)
+        return frozenset(touching)
+
     def _touching(self, configurations: Array) -> Iterator[tuple[int, str]]:
         """Numbers of configurations that touch something, and what; the first of each."""
         import fcl

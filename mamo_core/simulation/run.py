@@ -14,6 +14,7 @@ from mamo_core.interfaces.constraint import InteractionConstraint
 from mamo_core.interfaces.simulated_world import SimulatedWorld
 from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.robots.model import GripperModel
+from mamo_core.simulation.grip import commanded, in_hand
 from mamo_core.types.geometry import Array, IntArray
 from mamo_core.types.motion import Motion, MotionSegment
 from mamo_core.types.rollout import NO_CONTACTS, RolloutResult, Watch
@@ -33,7 +34,10 @@ REST_SECONDS, REST_SPEED, REST_SPIN = 0.02, 0.004, 0.06
 
 
 class MotionRun:
-    """One motion, from wherever the world stands; ``opening`` (m) and ``held`` are the hand's."""
+    """One motion, from wherever the world stands; ``opening`` (m) and ``held`` are the hand's.
+
+    ``opening`` is what the fingers were told; something between them may keep them from it.
+    """
 
     def __init__(
         self,
@@ -49,6 +53,7 @@ class MotionRun:
         self._options = options
         self._step = world.time_step
         self.opening, self.held = opening, held
+        self._in_hand = held
         self._monitor = ConstraintMonitor(constraints)
         step, count = options.trace_step, len(scene.entities)
         self._recorder = TraceRecorder(step, count) if step is not None else None
@@ -83,22 +88,25 @@ class MotionRun:
     def _segment(self, segment: MotionSegment) -> bool:
         """Execute one segment; False if the rollout ends here."""
         self._hold(segment.held)
+        self._in_hand = self._place(in_hand(segment))
+        told = commanded(segment, self.opening, self._world.squeeze)
         trajectory = segment.trajectory
         count = int(np.ceil(trajectory.duration / self._step - 1e-9))
         positions = trajectory.at(np.arange(1, count + 1, dtype=np.float64) * self._step)
         before = np.vstack([trajectory.positions[:1], positions[:-1]])
         velocities = (positions - before) / self._step
-        openings = np.linspace(self.opening, segment.opening, count + 1)[1:]
+        openings = np.linspace(self.opening, told, count + 1)[1:]
         drives = self._gripper.drives(openings)
-        if not self._follow(positions, velocities, drives, openings.tolist()):
+        seen = openings if told == segment.opening else np.maximum(openings, segment.opening)
+        if not self._follow(positions, velocities, drives, seen.tolist()):
             return False
-        self.opening = segment.opening
-        return self._arrive(trajectory.positions[-1]) and self._settle(segment)
+        self.opening = told
+        return self._arrive(segment) and self._settle(segment)
 
     def _follow(
         self, positions: Array, velocities: Array, drives: Array, openings: Sequence[float]
     ) -> bool:
-        """Execute commands, one a step; False if the rollout ends here."""
+        """Execute commands, one a step, the fingers at ``openings``; False if it ends here."""
         done, watch = 0, self._watch()
         while done < len(positions):
             rest = positions[done:], velocities[done:], drives[done:]
@@ -108,14 +116,15 @@ class MotionRun:
                 return False
         return True
 
-    def _arrive(self, end: Array) -> bool:
+    def _arrive(self, segment: MotionSegment) -> bool:
         """Wait a little for an arm that is behind."""
+        end = segment.trajectory.positions[-1]
         self._world.command(end, np.zeros_like(end), self._gripper.drive(self.opening))
         for _ in range(round(HOLD_SECONDS / self._step)):
             if largest_gap(self._world.joint_positions(), end) < ARRIVED:
                 break
             self._world.step()
-            if not self._look(1, end, self.opening):
+            if not self._look(1, end, segment.opening):
                 return False
         return True
 
@@ -137,7 +146,7 @@ class MotionRun:
 
     def _watch(self) -> Watch | None:
         """What the world may pass over until the hand holds something else."""
-        limits = self._monitor.limits(self.held)
+        limits = self._monitor.limits(self._in_hand)
         if limits is None or self._recorder is not None:
             return None
         return Watch(*limits, LAG, self._touched)
@@ -150,7 +159,7 @@ class MotionRun:
         if steps > 1:
             self._monitor.passed()
             self._late = 0
-        seen = self._world.observe(self._time, self.held)
+        seen = self._world.observe(self._time, self._in_hand)
         self._touched[seen.contacts[:, 0], seen.contacts[:, 1]] = True
         broken = self._monitor.see(seen)
         if largest_gap(self._world.joint_positions(), reference) > LAG:
@@ -168,10 +177,13 @@ class MotionRun:
             self._recorder.see(self._time, joints, opening, poses, contacts)
 
     def _hold(self, name: str | None) -> None:
-        place = -1 if name is None else self._scene.index(name)
+        place = self._place(name)
         if place != self.held:
             self._world.hold(place)
             self.held = place
+
+    def _place(self, name: str | None) -> int:
+        return -1 if name is None else self._scene.index(name)
 
     def _state(self) -> SceneState:
         return SceneState(self._world.joint_positions(), self._world.object_poses())

@@ -11,6 +11,7 @@ import numpy as np
 from mamo_core.constraints.monitor import ConstraintMonitor
 from mamo_core.interfaces.constraint import InteractionConstraint
 from mamo_core.interfaces.transition_model import RolloutOptions, TransitionModel
+from mamo_core.simulation.grip import in_hand
 from mamo_core.testing.flatland import Flatland
 from mamo_core.types.geometry import Array, invert, matrix_from_pose, pose_from_matrix, z_axes
 from mamo_core.types.motion import Motion, MotionSegment
@@ -134,8 +135,10 @@ class _Run:
     def _segment(self, segment: MotionSegment, opening: float) -> None:
         duration = segment.trajectory.duration
         count = max(1, round(duration / self._model.options.dt))
-        held = -1 if segment.held is None else self._model.problem.scene.index(segment.held)
-        T_tool_held = self._grip(held)
+        name, scene = in_hand(segment), self._model.problem.scene
+        held = -1 if name is None else scene.index(name)
+        # What is closed on, or let go of, stays where it is.
+        T_tool_held = self._grip(held if segment.held is not None else -1)
         begin = self._time
         for step in range(1, count + 1):
             fraction = step / count

@@ -55,11 +55,12 @@ class SegmentKind(StrEnum):
 class MotionSegment:
     """One stretch of a motion.
 
-    ``opening``: gap between the fingers (m) commanded at the end of the segment, reached linearly
-    in time. ``held``: object attached to the tool during the segment; it is attached where it is
-    when the segment starts. ``contact_free``: nothing but the held object may touch the arm.
-    ``settle``: the longest time (s) to wait afterwards until every object rests. ``closes_on``:
-    object the fingers close on, or let go of, during the segment: they may touch it meanwhile.
+    ``opening``: gap between the fingers (m) at the end of the segment, reached linearly in time;
+    what is held, or closed on, fills it, and the fingers press with the gripper's force. ``held``:
+    object attached to the tool during the segment; it is attached where it is when the segment
+    starts. ``contact_free``: nothing but what is in the hand may touch the arm. ``settle``: the
+    longest time (s) to wait afterwards until every object rests. ``closes_on``: object the fingers
+    close on, or let go of, during the segment: they may touch it meanwhile.
     """
 
     kind: SegmentKind
@@ -106,9 +107,7 @@ class Motion:
 
         A motion that is nothing but such transits stays whole.
         """
-        first = next(
-            (i for i, s in enumerate(self.segments) if not s.contact_free or s.held is not None), 0
-        )
+        first = next((i for i, s in enumerate(self.segments) if _may_move(s)), 0)
         opening = self.segments[first - 1].opening if first else self.opening
         return Motion(self.segments[first:], opening)
 
@@ -136,3 +135,9 @@ class MotionParts(NamedTuple):
     before: tuple[MotionSegment, ...]
     touching: Motion
     after: tuple[MotionSegment, ...]
+
+
+def _may_move(segment: MotionSegment) -> bool:
+    """Whether a segment may move an object."""
+    handles = segment.held is not None or segment.closes_on is not None
+    return handles or not segment.contact_free

@@ -21,7 +21,7 @@ class StepObservation(NamedTuple):
     ``positions`` (n, 3) m and ``z_axes`` (n, 3), world; ``velocities`` (n, 3) m/s of the centres;
     ``contacts`` (k, 2) entity numbers, each pair in ascending order; ``depths`` (k,): how far they
     reach into each other, m, 0 or less where they only touch; ``held``: place of the object in the
-    hand, or -1.
+    hand (attached to it, being closed on, or let go of), or -1.
     """
 
     time: float

@@ -8,6 +8,7 @@ import dartpy
 import numpy as np
 
 from mamo_core.interfaces.simulated_world import SimulatedWorld
+from mamo_core.robots.fingers import finger_drives
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array, IntArray, matrix_from_pose, pose_from_matrix, z_axes
 from mamo_core.types.problem import Problem
@@ -41,6 +42,9 @@ class DARTWorld(SimulatedWorld):
         self.time_step = options.time_step
         self._weld: Any = None
         self._contacts, self._depths, self._unseen = NO_CONTACTS, NO_DEPTHS, 0
+        carriers = [finger.follows for finger in finger_drives(arm, options.torque_limit)]
+        self._tips = np.array([n for n, k in enumerate(carriers) if k is not None], dtype=np.int64)
+        self._carriers = np.array([k for k in carriers if k is not None], dtype=np.int64)
 
     def reset(self, state: SceneState, drive: float) -> None:
         self._weld = None
@@ -60,9 +64,11 @@ class DARTWorld(SimulatedWorld):
     def command(self, positions: Array, velocities: Array, drive: float) -> None:
         """Servos get the velocity that closes the gap within the next step."""
         parts = self._parts
-        commands = np.zeros(parts.robot.getNumDofs())
+        commands, now = np.zeros(parts.robot.getNumDofs()), parts.robot.getPositions()
         commands[parts.arm], commands[parts.fingers] = positions, drive
-        parts.robot.setCommands((commands - parts.robot.getPositions()) / self.time_step)
+        # Tips stand as the finger that carries them does.
+        commands[parts.fingers[self._tips]] = now[parts.fingers[self._carriers]]
+        parts.robot.setCommands((commands - now) / self.time_step)
 
     def step(self) -> None:
         self._parts.world.step()

@@ -5,8 +5,9 @@ whose result depends on poses alone. Approximated: with ``contacts: cones`` fric
 circular and solved to a tolerance, with ``boxes`` they are square pyramids; between two objects the
 coefficient is the smaller one, not the product, and fixtures that change friction are refused;
 contacts are looked at every ``contacts_every`` steps; immovable objects are fixed bodies (touching
-one is a violation, so how it would move never matters); an object is held by a constraint between
-two bodies.
+one is a violation, so how it would move never matters); fingers touch what they hold and press it
+no further, as the solver lets light things sink into them; an object is held by a constraint
+between two bodies.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import Any
 import dartpy
 import numpy as np
 
+from mamo_core.robots.fingers import finger_drives
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array, Box, IntArray, Shape, matrix_from_pose
 from mamo_core.types.problem import Problem
@@ -158,11 +160,13 @@ def load_robot(problem: Problem, arm: ArmModel, options: DARTOptions) -> Any:
         body.setGravityMode(False)
         for k in range(body.getNumShapeNodes()):
             _rub(body.getShapeNode(k), NO_LIMIT)
+    efforts = iter([finger.effort for finger in finger_drives(arm, options.torque_limit)])
     for link in arm.links:
         joint = robot.getJoint(link.name)
         joint.setActuatorType(dartpy.dynamics.ActuatorType.SERVO)
-        joint.setForceLowerLimit(0, -options.torque_limit)
-        joint.setForceUpperLimit(0, options.torque_limit)
+        limit = next(efforts) if link.coordinate < 0 else options.torque_limit
+        joint.setForceLowerLimit(0, -limit)
+        joint.setForceUpperLimit(0, limit)
     return robot
 
 

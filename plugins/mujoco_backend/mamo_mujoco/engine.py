@@ -8,10 +8,12 @@ import mujoco
 import numpy as np
 
 from mamo_core.interfaces.simulated_world import SimulatedWorld
+from mamo_core.robots.fingers import GIVE
 from mamo_core.types.geometry import Array, IntArray, invert, matrix_from_pose, pose_from_matrix
 from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import NO_CONTACTS, NO_DEPTHS, StepObservation, Watch
 from mamo_core.types.scene import SceneState
+from mamo_mujoco.fingers import FrictionHold
 from mamo_mujoco.kernels import at_rest, command, contact_pairs, observe
 from mamo_mujoco.loop import Memory, Places, follow, wait
 from mamo_mujoco.memory import contacts_of
@@ -29,9 +31,11 @@ class MuJoCoWorld(SimulatedWorld):
     """A compiled model with its data; ``lead`` (s) makes the servos track without lag.
 
     ``sleep_at_once``: objects that do not begin to move are not watched before they sleep.
+    ``pads``: what holds things if there are no welds.
     """
 
     exact_snapshots: ClassVar[bool] = True
+    squeeze: ClassVar[float] = 4.0 * GIVE
 
     def __init__(
         self,
@@ -41,10 +45,13 @@ class MuJoCoWorld(SimulatedWorld):
         lead: float,
         *,
         sleep_at_once: bool = False,
+        pads: FrictionHold | None = None,
     ) -> None:
         self._problem, self._model, self._index, self._lead = problem, model, index, lead
         self._data = mujoco.MjData(model)
         self._sleep_at_once = sleep_at_once
+        self._place, self._substeps = -1, 1
+        self._pads = pads
         self.time_step = float(model.opt.timestep)
         self._objects = np.stack([index.bodies, np.full_like(index.bodies, -1)], axis=1)
         self._objects[index.free, 1] = index.free_qvel
@@ -69,6 +76,7 @@ class MuJoCoWorld(SimulatedWorld):
         # Before the rest: static bodies are put in place when data is reset.
         self._place_fixed(state.object_poses[self._fixed])
         mujoco.mj_resetData(self._model, data)
+        self.hold(-1)
         self._qpos[index.arm_qpos] = state.joint_positions
         self._qpos[index.finger_qpos] = drive
         self._qpos[self._pose_qpos] = state.object_poses[index.free]
@@ -88,7 +96,7 @@ class MuJoCoWorld(SimulatedWorld):
         command(self._ctrl, positions, velocities, self._lead, drive)
 
     def step(self) -> None:
-        mujoco.mj_step(self._model, self._data)
+        mujoco.mj_step(self._model, self._data, self._substeps)
 
     def observe(self, time: float, held: int) -> StepObservation:
         observe(self._xpos, self._xmat, self._qvel, self._objects, self._seen)
@@ -123,12 +131,16 @@ class MuJoCoWorld(SimulatedWorld):
         return at_rest(self._qvel, self._index.free_qvel, speed, spin)
 
     def hold(self, place: int) -> None:
-        """Weld the object to the tool link."""
-        self._data.eq_active[:] = 0
+        """Weld the object to the tool link, unless the fingers have to hold it."""
+        welds = self._index.welds
+        self._data.eq_active[welds[welds >= 0]] = 0
+        self._place = place
+        if self._pads is not None:
+            self._substeps = self._pads.hold(place)
+            return
         if place < 0:
             return
-        name = self._problem.scene.objects[place].name
-        weld = self._model.equality(f"hold:{name}").id
+        weld = int(welds[place])
         tool, item = self._index.tool_body, self._index.bodies[place]
         T = invert(_body_matrix(self._data, tool)) @ _body_matrix(self._data, item)
         self._model.eq_data[weld, :3] = 0.0
@@ -138,13 +150,13 @@ class MuJoCoWorld(SimulatedWorld):
     def follow(
         self, positions: Array, velocities: Array, drives: Array, watch: Watch | None
     ) -> int:
-        if watch is None:
+        if watch is None or self._substeps > 1:
             return super().follow(positions, velocities, drives, watch)
         commands = positions, velocities, drives
         return follow(self._memory, self._places, watch, self._seen, *commands, self._lead)
 
     def wait(self, end: Array, steps: int, speed: float, spin: float, watch: Watch | None) -> int:
-        if watch is None:
+        if watch is None or self._substeps > 1:
             return super().wait(end, steps, speed, spin, watch)
         return wait(self._memory, self._places, watch, self._seen, end, steps, speed, spin)
 
@@ -152,11 +164,14 @@ class MuJoCoWorld(SimulatedWorld):
         """All that a step begins with; a copy of ``MjData`` takes far more memory and time."""
         counts = [getattr(self._data, name) for name in _COUNTS]
         fields = [field.copy() for field in self._fields]
-        return fields, counts, self._model.eq_data.copy(), self._fixed_poses
+        return fields, counts, self._model.eq_data.copy(), self._fixed_poses, self._place
 
     def restore(self, snapshot: Any) -> None:
-        fields, counts, welds, fixed_poses = snapshot
+        fields, counts, welds, fixed_poses, place = snapshot
         self._place_fixed(fixed_poses)
+        self._place = place
+        if self._pads is not None:
+            self._substeps = self._pads.hold(place)
         for field, values in zip(self._fields, fields, strict=True):
             field[...] = values
         for name, value in zip(_COUNTS, counts, strict=True):

@@ -19,6 +19,7 @@ from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import SceneState
 from mamo_mujoco.engine import MuJoCoWorld
+from mamo_mujoco.fingers import FrictionHold
 from mamo_mujoco.options import MuJoCoOptions
 from mamo_mujoco.world import build_model, index_of
 
@@ -79,6 +80,7 @@ class MuJoCoWorlds:
         self._problem = problem
         self._lead = options.damping / options.stiffness
         self._sleep_at_once = options.sleep and options.sleep_at_once
+        self._friction = options.grasp == "friction"
         self._model = build_model(problem, arm, options, clearance)
         self._index = index_of(self._model, problem, arm)
 
@@ -87,8 +89,16 @@ class MuJoCoWorlds:
         if parameters is not None:
             self._change(model, parameters)
         return MuJoCoWorld(
-            self._problem, model, self._index, self._lead, sleep_at_once=self._sleep_at_once
+            self._problem,
+            model,
+            self._index,
+            self._lead,
+            sleep_at_once=self._sleep_at_once,
+            pads=self._pads(model) if self._friction else None,
         )
+
+    def _pads(self, model: Any) -> FrictionHold:
+        return FrictionHold(model, [model.geom(o.name).id for o in self._problem.scene.objects])
 
     def _change(self, model: Any, parameters: ParameterOverrides) -> None:
         scene = self._problem.scene

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from mamo_core.hookspecs import Options
@@ -38,4 +40,9 @@ class MuJoCoOptions(Options):
         ge=1,
         description="threads of rollout_batch; more take less time and more CPU, which is what "
         "budgets count",
+    )
+    grasp: Literal["weld", "friction"] = Field(
+        "weld",
+        description="what holds an object in the hand: weld: it is fixed to the hand, fast; "
+        "friction: the force of the fingers, and friction with soft pads",
     )

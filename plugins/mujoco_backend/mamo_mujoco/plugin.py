@@ -35,6 +35,7 @@ def mamo_backends() -> Iterable[Component]:
                     "clearance",
                     "dynamics",
                     "exact_continuation",
+                    "friction_grasps",
                     "friction_product",
                     "parameter_overrides",
                     "tool_pose",

@@ -3,8 +3,9 @@
 Exact: geometry, masses, elliptic friction cones, product friction between objects and with
 fixtures, the object's own friction against the arm. Approximated: contacts are soft, so that what
 presses hard sinks in a little; immovable objects are fixed bodies (touching one is a violation, so
-how it would move never matters, nor that the larger coefficient counts there); an object is held by
-a weld.
+how it would move never matters, nor that the larger coefficient counts there); fingers that one
+motor moves are kept together by constraints of their joints; an object is held by a weld, or by the
+fingers and friction alone (``grasp``).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from mamo_core.types.geometry import Array, Box, IntArray, Shape, matrix_from_po
 from mamo_core.types.problem import Problem
 from mamo_core.types.scene import Mobility
 from mamo_mujoco.clearance import add_immovable_pairs, keep_clear
+from mamo_mujoco.fingers import add_finger_servo, add_servo, couple_fingers
 from mamo_mujoco.options import MuJoCoOptions
 
 _ROBOT, _OBJECT, _FIXTURE = 1, 2, 4
@@ -31,7 +33,6 @@ _COLLIDES_WITH = {
 _ARMATURE = 0.1
 """Of every joint, kg m^2. With less, what is welded to the hand shakes: contact and weld forces are
 computed before the servos' damping, which is implicit, and expect light joints to jump."""
-_FINGER_GAINS = (600.0, 8.0, 100.0)
 _TORSION, _ROLLING = 0.005, 0.0001
 
 
@@ -42,7 +43,8 @@ class WorldIndex:
     ``arm_qpos``, ``arm_qvel`` (dof,), ``finger_qpos``, ``finger_qvel``; ``free`` (m,): scene
     numbers of objects that can move, with ``free_qpos``, ``free_qvel`` (m,) their first
     coordinates; ``bodies`` (n,): body of every object; ``entity`` (geoms,): entity number;
-    ``free_trees`` (m,): kinematic trees of objects that can move.
+    ``free_trees`` (m,): kinematic trees of objects that can move; ``welds`` (n,): the equality that
+    holds each object, or -1.
     """
 
     arm_qpos: IntArray
@@ -56,6 +58,7 @@ class WorldIndex:
     entity: IntArray
     tool_body: int
     free_trees: IntArray
+    welds: IntArray
 
 
 def build_model(
@@ -71,6 +74,7 @@ def build_model(
     if options.sleep:
         spec.option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
     _add_arm(spec, problem, arm, options)
+    couple_fingers(spec, arm, _solref(options))
     for fixture in problem.scene.fixtures:
         body = spec.worldbody.add_body(name=fixture.name, **_frame(matrix_from_pose(fixture.pose)))
         _add_shape(body, fixture.name, fixture.shape, _FIXTURE, fixture.friction, options)
@@ -81,7 +85,8 @@ def build_model(
         if item.mobility is not Mobility.IMMOVABLE:
             body.add_freejoint(name=item.name)
     _add_friction_pairs(spec, problem, options)
-    _add_weld(spec, problem, arm, options)
+    if options.grasp == "weld":
+        _add_weld(spec, problem, arm, options)
     if not options.arm_meets_fixtures:
         _part_arm_and_fixtures(spec)
     if clearance == 0.0:
@@ -114,7 +119,13 @@ def index_of(model: Any, problem: Problem, arm: ArmModel) -> WorldIndex:
         free_trees=np.array(
             [model.body_treeid[model.body(name).id] for name in free_names], dtype=np.int64
         ),
+        welds=np.array([_weld_of(model, o.name) for o in problem.scene.objects], dtype=np.int64),
     )
+
+
+def _weld_of(model: Any, name: str) -> int:
+    number: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_EQUALITY, f"hold:{name}")
+    return number
 
 
 def _arm_links(arm: ArmModel) -> list[LinkModel]:
@@ -144,7 +155,10 @@ def _add_arm(spec: Any, problem: Problem, arm: ArmModel, options: MuJoCoOptions)
     for link in arm.links:
         parent = base if link.parent < 0 else bodies[link.parent]
         bodies.append(_add_link(spec, parent, link, options))
-        _add_servo(spec, link, options)
+        if link.coordinate >= 0:
+            _add_servo(spec, link, options)
+        else:
+            add_finger_servo(spec, link, arm, options.time_step)
 
 
 def _add_link(spec: Any, parent: Any, link: LinkModel, options: MuJoCoOptions) -> Any:
@@ -179,16 +193,8 @@ def _add_link(spec: Any, parent: Any, link: LinkModel, options: MuJoCoOptions) -
 
 def _add_servo(spec: Any, link: LinkModel, options: MuJoCoOptions) -> None:
     """A servo with force kp (u - q) - kv q'; u = q_ref + kv / kp q'_ref makes it track."""
-    kp, kv, limit = _FINGER_GAINS
-    if link.coordinate >= 0:
-        kp, kv, limit = options.stiffness, options.damping, options.torque_limit
-    servo = spec.add_actuator(name=link.name, target=link.name)
-    servo.trntype = mujoco.mjtTrn.mjTRN_JOINT
-    servo.gainprm[0] = kp
-    servo.biastype = mujoco.mjtBias.mjBIAS_AFFINE
-    servo.biasprm[1], servo.biasprm[2] = -kp, -kv
-    servo.forcerange = [-limit, limit]
-    servo.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+    kp, kv, limit = options.stiffness, options.damping, options.torque_limit
+    add_servo(spec, link, kp, kv, limit)
 
 
 def _add_shape(

@@ -11,8 +11,10 @@ import numpy as np
 from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld, HeldObject
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.robots.exact_collision import ExactChecker
+from mamo_core.robots.grasps import widths_between_fingers
+from mamo_core.robots.grip import grip_fault
 from mamo_core.robots.model import ArmModel
-from mamo_core.types.geometry import Array, matrices_from_poses, matrix_from_pose
+from mamo_core.types.geometry import Array, invert, matrices_from_poses, matrix_from_pose
 from mamo_core.types.problem import Grasp, Problem
 from mamo_core.types.scene import Mobility
 from mamo_planners.options import RetrievalOptions
@@ -29,11 +31,13 @@ _APPROACH_SHARES = (1.0, 0.65, 0.45, 0.3)
 class Candidate:
     """A grasp the arm can reach past fixtures and immovables: ``reach`` and ``lift`` (k, dof).
 
-    ``number``: of the grasp in the problem. ``held``: the target in the hand.
+    ``number``: of the grasp in the problem. ``width``: what the target leaves between the fingers,
+    m. ``held``: the target in the hand.
     """
 
     number: int
     grasp: Grasp
+    width: float
     reach: Array
     lift: Array
     held: HeldObject
@@ -112,6 +116,13 @@ class GraspCandidates:
         rng: np.random.Generator,
     ) -> list[Candidate]:
         """The ways in and up for one grasp."""
+        grasp = self._problem.grasps[number]
+        width = self._width(grasp)
+        T_tool_target = invert(matrix_from_pose(grasp.T_object_tool))
+        fault = grip_fault(self._target, T_tool_target, width, self._arm)
+        if fault is not None:
+            self.causes[fault] += 1
+            return []
         solutions = self._kinematics.inverse(T_grasp, rng, count=branches)
         if not len(solutions):
             self.causes["grasp_no_ik"] += 1
@@ -124,14 +135,13 @@ class GraspCandidates:
         if not open_ways:
             return []
         held = self.held_at(T_grasp)
-        carried = self._carried(number, held)
+        carried = self._carried(width, held)
         if not carried.free(self._problem.home)[0]:
             self.causes["home_blocked"] += 1
             return []
         lifted = [(back, self._lift_path(q, carried)) for q, back in open_ways]
-        grasp = self._problem.grasps[number]
         found = [
-            Candidate(number, grasp, back[::-1], lift, held)
+            Candidate(number, grasp, width, back[::-1], lift, held)
             for back, lift in lifted
             if lift is not None
         ]
@@ -176,11 +186,15 @@ class GraspCandidates:
                 return line.path
         return None
 
-    def _carried(self, number: int, held: HeldObject) -> CollisionWorld:
-        """Fixtures and immovables around the arm that holds the target."""
+    def _width(self, grasp: Grasp) -> float:
+        T_object_tool = matrix_from_pose(grasp.T_object_tool)
+        return float(widths_between_fingers(self._target.shape, T_object_tool[None])[0])
+
+    def _carried(self, width: float, held: HeldObject) -> CollisionWorld:
+        """Fixtures and immovables around the arm that holds the target, closed on it."""
         return self._collision.world(
             self._problem.initial.object_poses,
-            opening=self._problem.grasps[number].opening,
+            opening=width,
             ignore=[self._target.name, *self._movables],
             held=held,
         )

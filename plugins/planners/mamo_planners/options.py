@@ -91,9 +91,6 @@ class PickPlaceOptions(Options):
     largest_tilt_deg: float = Field(
         5.0, gt=0.0, le=25.0, description="objects that lean more are not grasped, degrees"
     )
-    squeeze: float = Field(
-        0.004, gt=0.0, description="how much less than the object's width is commanded, m"
-    )
     lift: float = Field(0.04, gt=0.0, le=0.3, description="largest lift of the object, m")
     ceiling_gap: float = Field(0.01, gt=0.0, description="distance kept from the ceiling, m")
     drop_height: float = Field(0.002, ge=0.0, description="fall of the object when let go, m")

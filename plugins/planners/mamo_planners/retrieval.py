@@ -149,7 +149,7 @@ class GraspAndExtract(RetrievalPlanner):
         chosen = group[reach.goal]
         carry_world = self._collision.world(
             state.object_poses,
-            opening=opening,
+            opening=chosen.width,
             ignore=[self._target.name, *ignored],
             held=chosen.held,
         )

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from mamo_core.interfaces.kinematics import Kinematics
-from mamo_core.robots.grasps import widths_between_fingers
 from mamo_core.robots.model import ArmModel
-from mamo_core.types.geometry import Array, matrix_from_pose
+from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
-from mamo_core.types.problem import Grasp, Problem
+from mamo_core.types.problem import Problem
 from mamo_planners.grasp_candidates import Candidate
 from mamo_planners.options import RetrievalOptions
 from mamo_planners.tool_timing import GRIPPER_TIME, timed_for_tool
@@ -31,8 +30,7 @@ class RetrievalMotion:
     def whole(self, chosen: Candidate, transit: Array, carry: Array) -> Motion:
         """Open at home, go to the pre-grasp along ``transit`` (k, dof), take out the target."""
         opening = chosen.grasp.opening
-        home = np.stack([self._problem.home, self._problem.home])
-        opened = Trajectory(np.array([0.0, GRIPPER_TIME]), home)
+        opened = _still(self._problem.home)
         gone = self._timed(transit, np.inf)
         return Motion(
             (
@@ -46,36 +44,40 @@ class RetrievalMotion:
     def taken_out(
         self, chosen: Candidate, carry: Array, *, contact_free: bool
     ) -> tuple[MotionSegment, ...]:
-        """From the pre-grasp on: reach, lift, and along ``carry`` (k, dof) home.
+        """From the pre-grasp on: reach, close, lift, and along ``carry`` (k, dof) home.
 
         ``contact_free``: whether the carry has to keep clear of everything.
         """
         options, opening, name = self._options, chosen.grasp.opening, self._target.name
+        width = chosen.width
         carried = self._timed(carry, options.carry_speed, chosen.held.T_tool_object)
         return (
             MotionSegment(
                 SegmentKind.REACH,
-                self._timed(chosen.reach, self._reach_speed(chosen.grasp)),
+                self._timed(chosen.reach, self._reach_speed(chosen)),
                 opening,
                 contact_free=True,
+            ),
+            MotionSegment(
+                SegmentKind.GRIPPER,
+                _still(chosen.reach[-1]),
+                width,
+                contact_free=True,
+                closes_on=name,
             ),
             MotionSegment(
                 SegmentKind.LIFT,
                 self._timed(chosen.lift, options.reach_speed),
-                opening,
+                width,
                 held=name,
                 contact_free=True,
             ),
-            MotionSegment(
-                SegmentKind.CARRY, carried, opening, held=name, contact_free=contact_free
-            ),
+            MotionSegment(SegmentKind.CARRY, carried, width, held=name, contact_free=contact_free),
         )
 
-    def _reach_speed(self, grasp: Grasp) -> float:
+    def _reach_speed(self, chosen: Candidate) -> float:
         """Slower where the target nearly fills the hand: servos stray more the faster they go."""
-        T_object_tool = matrix_from_pose(grasp.T_object_tool)
-        width = widths_between_fingers(self._target.shape, T_object_tool[None])[0]
-        gap = (grasp.opening - width) / 2.0
+        gap = (chosen.grasp.opening - chosen.width) / 2.0
         return self._options.reach_speed * float(np.clip(gap / _ROOMY, _SLOWEST, 1.0))
 
     def _timed(self, path: Array, speed: float, T_tool_point: Array | None = None) -> Trajectory:
@@ -88,3 +90,8 @@ class RetrievalMotion:
             tool_speed=speed,
             T_tool_point=T_tool_point,
         )
+
+
+def _still(q: Array) -> Trajectory:
+    """The arm at ``q`` (dof,) while the fingers move."""
+    return Trajectory(np.array([0.0, GRIPPER_TIME]), np.stack([q, q]))

@@ -11,7 +11,7 @@ from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Trajectory
 
 GRIPPER_TIME = 0.5
-"""Time to open the hand at home, s."""
+"""Time to open or close the hand, s."""
 
 _STEP = 0.1
 

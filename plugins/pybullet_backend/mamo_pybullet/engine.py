@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from mamo_core.interfaces.simulated_world import SimulatedWorld
+from mamo_core.robots.fingers import finger_drives
 from mamo_core.types.geometry import Array, IntArray, z_axes
 from mamo_core.types.rollout import NO_CONTACTS, NO_DEPTHS, StepObservation
 from mamo_core.types.scene import SceneState
@@ -32,6 +33,9 @@ class PyBulletWorld(SimulatedWorld):
         self._bodies = bodies
         self.time_step = bodies.options.time_step
         self._client: int = pybullet.connect(pybullet.DIRECT)
+        arm, limit = bodies.arm, bodies.options.torque_limit
+        self._fingers = finger_drives(arm, limit)
+        self._efforts = [limit] * arm.dof + [finger.effort for finger in self._fingers]
         self._poses = np.array(bodies.problem.initial.object_poses)
         self._axes = z_axes(self._poses)
         self._index: WorldIndex | None = None
@@ -78,13 +82,24 @@ class PyBulletWorld(SimulatedWorld):
             index.robot,
             joints,
             pybullet.POSITION_CONTROL,
-            targetPositions=[*positions.tolist(), *(drive for _ in index.fingers)],
+            targetPositions=[*positions.tolist(), *self._finger_goals(drive)],
             targetVelocities=[*velocities.tolist(), *(0.0 for _ in index.fingers)],
             positionGains=[options.position_gain] * len(joints),
             velocityGains=[1.0] * len(joints),
-            forces=[options.torque_limit] * len(joints),
+            forces=self._efforts,
             physicsClientId=self._client,
         )
+
+    def _finger_goals(self, drive: float) -> list[float]:
+        """Driven fingers go to ``drive``, tips to where the finger is that carries them."""
+        if not self._fingers:
+            return []
+        index = self.index
+        states = pybullet.getJointStates(index.robot, index.fingers, physicsClientId=self._client)
+        return [
+            drive if finger.follows is None else states[finger.follows][0]
+            for finger in self._fingers
+        ]
 
     def step(self) -> None:
         pybullet.stepSimulation(physicsClientId=self._client)

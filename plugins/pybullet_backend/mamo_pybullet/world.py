@@ -3,8 +3,9 @@
 Exact: geometry, masses, friction cones, product friction between objects and with fixtures, the
 object's own friction against the arm. Approximated: contacts are solved by up to ``iterations``
 sweeps (sequential impulses), not exactly; friction against twisting is left out; immovable objects
-are fixed bodies (touching one is a violation, so how it would move never matters); an object is
-held by a constraint between two bodies.
+are fixed bodies (touching one is a violation, so how it would move never matters); fingers touch
+what they hold and press it no further, as sweeps let light things sink into them; an object is held
+by a constraint between two bodies.
 """
 
 from __future__ import annotations

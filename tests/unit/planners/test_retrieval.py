@@ -10,6 +10,7 @@ from mamo_planners.retrieval import GraspAndExtract
 
 from mamo_core.interfaces.collision_checker import HeldObject
 from mamo_core.robots.exact_collision import ExactChecker
+from mamo_core.robots.grasps import widths_between_fingers
 from mamo_core.robots.timing import interpolated
 from mamo_core.types.geometry import Box, Cylinder, invert, make_pose, matrix_from_pose
 from mamo_core.types.problem import Grasp
@@ -49,7 +50,8 @@ def found(retrieval, cleared):
 
 def in_the_hand(problem, parts, motion):
     """``T_tool_target`` (4, 4) while it is held."""
-    T_world_tool = parts.kinematics.forward(motion.segments[3].trajectory.positions[0])
+    lift = next(s for s in motion.segments if s.held is not None)
+    T_world_tool = parts.kinematics.forward(lift.trajectory.positions[0])
     target = problem.initial.object_poses[problem.scene.target_index]
     return invert(T_world_tool) @ matrix_from_pose(target)
 
@@ -57,14 +59,18 @@ def in_the_hand(problem, parts, motion):
 def test_the_motion(problem, parts, found):
     motion = found.motion
     kinds = [s.kind.value for s in motion.segments]
-    assert kinds == ["gripper", "transit", "reach", "lift", "carry"]
-    assert [s.held for s in motion.segments] == [None, None, None, "target", "target"]
+    assert kinds == ["gripper", "transit", "reach", "gripper", "lift", "carry"]
+    assert [s.held for s in motion.segments] == [None, None, None, None, "target", "target"]
+    assert [s.closes_on for s in motion.segments] == [None, None, None, "target", None, None]
     assert all(s.contact_free for s in motion.segments)
     assert np.array_equal(motion.start, problem.home)
     np.testing.assert_allclose(motion.end, problem.home, atol=1e-8)
     assert motion.opening == parts.arm.gripper.closed
     grasp = problem.grasps[found.grasp]
-    assert {s.opening for s in motion.segments} == {grasp.opening}
+    target = problem.scene.objects[problem.scene.target_index]
+    T_object_tool = matrix_from_pose(grasp.T_object_tool)
+    width = float(widths_between_fingers(target.shape, T_object_tool[None])[0])
+    assert [s.opening for s in motion.segments] == [grasp.opening] * 3 + [width] * 3
     limits = parts.arm.velocity
     for segment in motion.segments:
         t = segment.trajectory
@@ -93,7 +99,7 @@ def test_the_tool_is_at_the_grasp_when_it_takes_hold(problem, parts, found):
 def test_exact_meshes_touch_nothing(problem, parts, cleared, found):
     exact = ExactChecker(problem.scene, parts.arm)
     for segment in found.motion.segments:
-        ignore = [segment.held] if segment.held else []
+        ignore = [name for name in (segment.held, segment.closes_on) if name is not None]
         world = exact.world(cleared.object_poses, opening=segment.opening, ignore=ignore)
         for q in interpolated(segment.trajectory.positions, 0.05):
             assert world.first_touched(q) is None, segment.kind

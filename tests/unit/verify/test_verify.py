@@ -45,6 +45,11 @@ def with_retrieval(plan, segments):
     return replace(plan, retrieval=replace(plan.retrieval, segments=tuple(segments)))
 
 
+def closing_of(plan):
+    """The segment in which the fingers close on the target."""
+    return next(s for s in plan.retrieval.segments if s.closes_on is not None)
+
+
 def mentions(failures, text):
     assert any(text in failure for failure in failures), failures
 
@@ -247,11 +252,12 @@ def test_touching_an_immovable(problem, planner, failures, plan):
 
 
 def test_touching_the_target_before_it_is_held(planner, failures, plan):
-    """The closed hand runs into it, instead of taking it between open fingers."""
-    closed = planner.context.robot.gripper.closed
+    """The hand runs into it, opened too little, instead of taking it between open fingers."""
+    first = plan.retrieval.segments.index(closing_of(plan))
+    narrow = closing_of(plan).opening + 1e-6
     squeezed = [
-        s if s.kind is SegmentKind.CARRY else replace(s, opening=closed)
-        for s in plan.retrieval.segments
+        replace(s, opening=narrow) if n < first else s
+        for n, s in enumerate(plan.retrieval.segments)
     ]
     mentions(failures(with_retrieval(plan, squeezed)), "contact: robot - target at ")
 

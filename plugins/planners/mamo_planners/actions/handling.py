@@ -10,6 +10,7 @@ import numpy as np
 
 from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld, HeldObject
 from mamo_core.interfaces.kinematics import Kinematics
+from mamo_core.robots.grip import grip_fault
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import (
     Array,
@@ -90,7 +91,8 @@ class Handling:
     ) -> None:
         self._p, self._state, self._rng, self._count = parts, state, rng, count
         item = parts.problem.scene.objects[number]
-        self._number, self._name, self._shape = number, item.name, item.shape
+        self._number, self._item = number, item
+        self._name, self._shape = item.name, item.shape
         self._T_object = matrix_from_pose(state.object_poses[number])
         self._g = grasps
         self._floor = [f.name for f in parts.problem.scene.fixtures if self._is_floor(f)]
@@ -161,8 +163,18 @@ class Handling:
             flat = tools.reshape(-1, 4, 4)
             fits = self._hand_fits(np.repeat(some, len(put)), flat).reshape(tools.shape[:2])
             for n in np.flatnonzero(fits.any(axis=1)):
+                if not self._holds(int(some[n])):
+                    continue
                 places = np.flatnonzero(fits[n])
                 yield int(some[n]), places, tools[n, places]
+
+    def _holds(self, grasp: int) -> bool:
+        """Whether friction is enough to carry the object with a grasp; otherwise it is counted."""
+        T_tool_object, width = invert(self._g.T_object_tool[grasp]), float(self._g.widths[grasp])
+        fault = grip_fault(self._item, T_tool_object, width, self._p.arm)
+        if fault is not None:
+            self._count(fault, 1)
+        return fault is None
 
     def _order(self) -> IntArray:
         """Grasps that look into the shelf first; some chance, for other ones when asked again."""

@@ -40,6 +40,7 @@ class MotionMaker:
         where it does so at once; ``transit`` to the reach, ``carry`` from the lift to the lowering.
         """
         o, closed = self._options, self._arm.gripper.closed
+        # Closing and letting go have to keep clear of everything but the object, too.
         opening, width = pickup.opening, pickup.width
         segments: list[MotionSegment] = []
         if first is not None:
@@ -48,11 +49,13 @@ class MotionMaker:
             self._gripper(transit[0], opening, contact_free=True),
             self._free(transit, np.inf, opening),
             self._free(pickup.reach, o.reach_speed, opening, SegmentKind.REACH),
-            self._gripper(pickup.reach[-1], max(width - o.squeeze, closed)),
+            self._gripper(pickup.reach[-1], width, contact_free=True, closes_on=name),
             self._held(pickup.lift, o.lift_speed, width, name, SegmentKind.LIFT),
             self._held(carry, o.carry_speed, width, name, SegmentKind.CARRY),
             self._held(drop.lower, o.lift_speed, width, name, SegmentKind.CARRY),
-            self._gripper(drop.lower[-1], opening, settle=o.settle),
+            self._gripper(
+                drop.lower[-1], opening, contact_free=True, settle=o.settle, closes_on=name
+            ),
             self._free(drop.retract, o.reach_speed, opening, SegmentKind.RETRACT),
         ]
         if last is not None:
@@ -73,12 +76,23 @@ class MotionMaker:
         return MotionSegment(kind, timed, grip, held=name, contact_free=True)
 
     def _gripper(
-        self, q: Array, opening: float, *, contact_free: bool = False, settle: float = 0.0
+        self,
+        q: Array,
+        opening: float,
+        *,
+        contact_free: bool,
+        settle: float = 0.0,
+        closes_on: str | None = None,
     ) -> MotionSegment:
         times = np.array([0.0, self._options.gripper_time])
         still = Trajectory(times, np.stack([q, q]))
         return MotionSegment(
-            SegmentKind.GRIPPER, still, opening, contact_free=contact_free, settle=settle
+            SegmentKind.GRIPPER,
+            still,
+            opening,
+            contact_free=contact_free,
+            settle=settle,
+            closes_on=closes_on,
         )
 
     def _timed(self, path: Array, speed: float, **corners: float) -> Trajectory:

@@ -32,7 +32,7 @@ def carried_home(
     target = problem.scene.objects[problem.scene.target_index].name
     motion = RetrievalMotion(problem, parts.arm, parts.kinematics, RetrievalOptions())
     world = parts.collision.world(
-        state.object_poses, opening=candidate.grasp.opening, ignore=[target], held=candidate.held
+        state.object_poses, opening=candidate.width, ignore=[target], held=candidate.held
     )
     goal = problem.home[None, :]
     carry = parts.arm_planner.plan(candidate.lift[-1], goal, world, rng).path

@@ -121,6 +121,10 @@ def test_what_the_verifier_refuses_is_no_plan(reaching):
     assert plan.actions == ()
 
 
+WIDTH = 0.06
+"""Of the target between the fingers, m."""
+
+
 def candidate_of(problem):
     grasp_at = PREGRASP + np.array([0.1, 0.0, 0.0, 0.0])
     lifted = grasp_at + np.array([0.0, 0.0, 0.05, 0.0])
@@ -130,7 +134,7 @@ def candidate_of(problem):
     shape = problem.scene.objects[target].shape
     held = HeldObject.taken("target", shape, T_world_tool, T_world_target)
     reach, lift = np.stack([PREGRASP, grasp_at]), np.stack([grasp_at, lifted])
-    return Candidate(0, problem.grasps[0], reach, lift, held)
+    return Candidate(0, problem.grasps[0], WIDTH, reach, lift, held)
 
 
 def carry(world, way):
@@ -151,20 +155,22 @@ WAY = np.array([HOME, [0.1, -0.25, 0.05, 0.0], [0.3, -0.2, 0.05, 0.0], PREGRASP]
 def test_the_target_is_carried_home_along_a_free_way(reaching):
     world = reaching(one_blocker().problem)
     world.parts.arm_planner.always = True
-    reach, lift, back = carry(world, WAY)
-    assert [s.kind for s in (reach, lift, back)] == [
+    reach, close, lift, back = carry(world, WAY)
+    assert [s.kind for s in (reach, close, lift, back)] == [
         SegmentKind.REACH,
+        SegmentKind.GRIPPER,
         SegmentKind.LIFT,
         SegmentKind.CARRY,
     ]
-    assert [s.held for s in (reach, lift, back)] == [None, "target", "target"]
+    assert [s.held for s in (reach, close, lift, back)] == [None, None, "target", "target"]
+    assert (close.closes_on, close.opening, back.opening) == ("target", WIDTH, WIDTH)
     assert back.contact_free
     assert back.trajectory.positions[-1] == pytest.approx(HOME)
     assert np.ptp(back.trajectory.positions[:, 1]) == 0.0
 
 
 def test_else_it_goes_back_the_way_it_came(reaching):
-    _, lift, back = carry(reaching(one_blocker().problem), WAY)
+    _, _, lift, back = carry(reaching(one_blocker().problem), WAY)
     assert not back.contact_free
     positions = back.trajectory.positions
     assert positions[0] == pytest.approx(lift.trajectory.positions[-1])
@@ -187,7 +193,7 @@ def test_at_a_candidate_the_plan_goes_on_until_the_target_is_at_home(reaching):
     goal = Goal(PREGRASP, candidate_of(problem))
     plan = bench.executions.finished(stand, goal, np.random.default_rng(0))
     assert seen == [plan]
-    assert [s.kind for s in plan.retrieval.segments[2:]] == ["reach", "lift", "carry"]
+    assert [s.kind for s in plan.retrieval.segments[2:]] == ["reach", "gripper", "lift", "carry"]
     assert plan.retrieval.end == pytest.approx(HOME)
     target = bench.executions.last.final_state.object_poses[problem.scene.target_index]
     assert target[:2] == pytest.approx(HOME[:2], abs=1e-6)
