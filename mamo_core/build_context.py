@@ -31,7 +31,8 @@ class PlanVerifier(Protocol):
 
     ``parameters``: other masses and frictions than the problem's. ``executed``: what the backend
     did in a continuous execution, one result for each motion, which then is not repeated.
-    ``replays``: whether to ask the worlds close to the problem's, which some searches have done.
+    ``replays``: whether to ask the worlds close to the problem's, which some searches have done;
+    ``friction``: whether fingers and friction alone must hold what is carried.
     """
 
     def __call__(
@@ -40,6 +41,7 @@ class PlanVerifier(Protocol):
         parameters: ParameterOverrides | None = None,
         executed: Sequence[RolloutResult] | None = None,
         replays: bool = True,
+        friction: bool = True,
     ) -> VerifyReport: ...
 
 

@@ -10,9 +10,7 @@ from mamo_core.interfaces.transition_model import TransitionModel
 from mamo_core.plugins import Registry
 from mamo_core.robots.model import ArmModel
 from mamo_core.types.problem import Problem
-
-CAPABILITY = "friction_grasps"
-"""Of backends that have the option ``grasp: friction``."""
+from mamo_core.verdict import FRICTION_GRASPS
 
 _PLACE = "the execution by friction"
 
@@ -26,11 +24,11 @@ def friction_model(
         InputError: the backend cannot hold things so, or is not known.
     """
     component = registry.component("backend", backend, _PLACE)
-    if CAPABILITY not in component.provides:
-        able = [c.name for c in registry.components("backend") if CAPABILITY in c.provides]
+    if FRICTION_GRASPS not in component.provides:
+        able = [c.name for c in registry.components("backend") if FRICTION_GRASPS in c.provides]
         raise InputError(
             f"{_PLACE}: backend {backend!r} holds things by welds alone (it does not provide "
-            f"{CAPABILITY}; those that do: {', '.join(sorted(able)) or 'none'})"
+            f"{FRICTION_GRASPS}; those that do: {', '.join(sorted(able)) or 'none'})"
         )
     options = validated(component.options, Located({"grasp": "friction"}, _PLACE))
     constraints = constraint_choices(

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 _SEED = 1
 
+FRICTION_GRASPS = "friction_grasps"
+"""Of backends that have the option ``grasp: friction``."""
+
 
 class VerifiersEngines:
     """The engine of a recipe with the verifier's own options, made when it is asked for."""
@@ -39,6 +42,7 @@ class VerifiersEngines:
         plain = replace(chosen, options=chosen.component.options())
         self._context, self._engine_for = context, engines(plain)
         self._step: float | None = getattr(plain.options, "time_step", None)
+        self._provides = plain.component.provides
         self.trusted = chosen.options == plain.options
         """Whether the recipe's engine is the verifier's."""
 
@@ -49,6 +53,13 @@ class VerifiersEngines:
             backend: TransitionModel = self._context.part("backend")
             return backend
         return self._engine_for(self._context.problem)
+
+    @cached_property
+    def friction(self) -> TransitionModel | None:
+        """The engine without welds; None if it cannot hold things so."""
+        if FRICTION_GRASPS not in self._provides:
+            return None
+        return self._engine_for(self._context.problem, {"grasp": "friction"})
 
     def replays(
         self, problem: Problem | None = None, wider: Deviation = NEAR, extra: int = 0
@@ -102,8 +113,14 @@ def make_verifier(context: BuildContext, engines: VerifiersEngines) -> PlanVerif
         parameters: ParameterOverrides | None = None,
         executed: Sequence[RolloutResult] | None = None,
         replays: bool = True,
+        friction: bool = True,
     ) -> VerifyReport:
-        from mamo_core.verify import verify, verify_executed, verify_replays
+        from mamo_core.verify import (
+            verify,
+            verify_by_friction,
+            verify_executed,
+            verify_replays,
+        )
 
         if executed is None or not engines.trusted:
             report = verify(problem, plan, engines.own, robot, parameters=parameters)
@@ -111,6 +128,8 @@ def make_verifier(context: BuildContext, engines: VerifiersEngines) -> PlanVerif
             report = verify_executed(problem, plan, executed, robot)
         if report.ok and replays:
             report = verify_replays(report, problem, plan, engines.replays(), robot, parameters)
+        if report.ok and friction and engines.friction is not None and _holds_something(plan):
+            report = verify_by_friction(report, problem, plan, engines.friction, robot)
         for name, other in context.accept_in:
             if not report.ok:
                 break
@@ -121,3 +140,7 @@ def make_verifier(context: BuildContext, engines: VerifiersEngines) -> PlanVerif
         return report
 
     return check
+
+
+def _holds_something(plan: Plan) -> bool:
+    return any(segment.held is not None for motion in plan.motions for segment in motion.segments)

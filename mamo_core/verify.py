@@ -16,6 +16,7 @@ from mamo_core.types.problem import Problem, Task
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import Mobility
 from mamo_core.types.solution import Plan
+from mamo_core.verify_friction import check_friction
 from mamo_core.verify_grasp import check_fingers, check_handling
 from mamo_core.verify_replays import check_replays
 from mamo_core.verify_task import check_grasp, check_reached, check_retrieved
@@ -30,7 +31,7 @@ class VerifyReport:
     """``failures`` in words, empty if the plan holds; ``rollout``: its continuous execution.
 
     ``kinds`` of failures: names of constraints, lost, stalled, mesh, grasp, not_retrieved,
-    not_reached, replay, form.
+    not_reached, replay, friction, form.
     ``outside_cpu``: CPU seconds that other processes spent.
     """
 
@@ -108,6 +109,14 @@ def verify_replays(
     checker = ExactChecker(problem.scene, robot)
     found = check_replays(plan.motions, replays, checker, problem.scene, robot, parameters)
     return replace(report, failures=tuple(found), kinds=("replay",)) if found else report
+
+
+def verify_by_friction(
+    report: VerifyReport, problem: Problem, plan: Plan, model: TransitionModel, robot: ArmModel
+) -> VerifyReport:
+    """What else is found when fingers and friction alone hold things; ``kinds``: friction."""
+    found = check_friction(problem, plan, model, robot)
+    return replace(report, failures=tuple(found), kinds=("friction",)) if found else report
 
 
 def _judged(problem: Problem, plan: Plan, rollout: RolloutResult, robot: ArmModel) -> VerifyReport:

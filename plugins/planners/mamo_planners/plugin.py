@@ -153,7 +153,7 @@ def _search_parts(
         context.mapf,
         context.actions,
         execution,
-        partial(context.part("verifier"), replays=False),
+        partial(context.part("verifier"), replays=False, friction=nearby is not None),
     )
 
 
