@@ -91,7 +91,8 @@ PR2_RIGHT_ARM = ArmSpec(
     finger_slack=0.005,
     acceleration=(5.0, 5.0, 8.0, 8.0, 9.0, 7.5, 9.0),
     jerk=(100.0, 100.0, 160.0, 160.0, 180.0, 150.0, 180.0),
-    gripper_speed=0.1,
+    # The fingers turn at 0.5 rad/s (URDF); wide open a radian opens them by 0.152 m.
+    gripper_speed=0.075,
     gripper_force=50.0,
     locked={"torso_lift_joint": 0.1},
     body_links=("base_link", "torso_lift_link"),

@@ -7,12 +7,13 @@ import numpy as np
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.robots.grasps import widths_between_fingers
 from mamo_core.robots.model import ArmModel
+from mamo_core.robots.timing import gripper_seconds
 from mamo_core.types.geometry import Array, matrix_from_pose
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.problem import Grasp, Problem
 from mamo_planners.grasp_candidates import Candidate
 from mamo_planners.options import RetrievalOptions
-from mamo_planners.tool_timing import GRIPPER_TIME, timed_for_tool
+from mamo_planners.tool_timing import timed_for_tool
 
 _ROOMY, _SLOWEST = 0.004, 0.3
 """Beside the target, m, from which the hand goes at full speed, and the least share of it."""
@@ -31,8 +32,9 @@ class RetrievalMotion:
     def whole(self, chosen: Candidate, transit: Array, carry: Array) -> Motion:
         """Open at home, go to the pre-grasp along ``transit`` (k, dof), take out the target."""
         opening = chosen.grasp.opening
-        home = np.stack([self._problem.home, self._problem.home])
-        opened = Trajectory(np.array([0.0, GRIPPER_TIME]), home)
+        gripper = self._arm.gripper
+        seconds = gripper_seconds(gripper, gripper.closed, opening)
+        opened = Trajectory.still(self._problem.home, seconds)
         gone = self._timed(transit, np.inf)
         return Motion(
             (

@@ -22,7 +22,7 @@ ALL = RolloutOptions(stop_early=False)
 
 
 def waiting(joints, seconds, opening=0.0, **changes):
-    trajectory = Trajectory(np.array([0.0, seconds]), np.stack([joints, joints]))
+    trajectory = Trajectory.still(joints, seconds)
     segment = MotionSegment(SegmentKind.TRANSIT, trajectory, opening, **changes)
     return Motion((segment,), opening)
 
@@ -134,7 +134,7 @@ def test_going_on_is_the_same_as_not_stopping(cases, model):
     start = cases.problem.initial
     back = Motion(
         tuple(
-            replace(s, trajectory=Trajectory(s.trajectory.times, s.trajectory.positions))
+            replace(s, trajectory=s.trajectory.part(0, len(s.trajectory.times) - 1))
             for s in cases.push.segments
         ),
         0.0,
