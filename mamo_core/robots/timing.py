@@ -11,7 +11,11 @@ from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Trajectory
 
 BLEND = 0.002
-"""How far (rad, each joint) a trajectory leaves its path at a corner that has no others near."""
+"""How far (rad, each joint) a trajectory leaves its path at a corner that has no others near.
+
+Corners that are near each other add up; where the jerk limit needs more than a twentieth of a
+second to build up the acceleration, blends are longer and wider.
+"""
 
 ROW_STEP = 0.02
 """About the time between two rows, s."""
@@ -77,10 +81,10 @@ def sampled(trajectory: Trajectory, step: float) -> Array:
     """Positions (k, dof) of a trajectory with no joint moving more than ``step`` (rad) between."""
     times, positions, velocities = trajectory.times, trajectory.positions, trajectory.velocities
     lengths = np.diff(times)[:, None]
-    begin, end = np.abs(velocities[:-1]), np.abs(velocities[1:])
-    # The speed on a cubic is highest at an end or where it turns around.
-    ways = np.abs(1.5 * np.diff(positions, axis=0) / lengths) + (begin + end) / 4.0
-    fastest = np.maximum(np.maximum(begin, end), ways)
+    begin, end = velocities[:-1], velocities[1:]
+    # The velocity on a cubic is a parabola, which lies within its Bezier points.
+    middle = 3.0 * np.diff(positions, axis=0) / lengths - begin - end
+    fastest = np.abs(np.stack([begin, middle, end])).max(axis=0)
     furthest = (lengths * fastest).max(axis=1, initial=0.0)
     counts = np.maximum(1, np.ceil(furthest / step)).astype(np.int64)
     pieces = np.repeat(np.arange(len(counts)), counts)

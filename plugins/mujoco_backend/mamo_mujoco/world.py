@@ -144,7 +144,7 @@ def _add_arm(spec: Any, problem: Problem, arm: ArmModel, options: MuJoCoOptions)
     for link in arm.links:
         parent = base if link.parent < 0 else bodies[link.parent]
         bodies.append(_add_link(spec, parent, link, options))
-        _add_servo(spec, link, options)
+        _add_servo(spec, arm, link, options)
 
 
 def _add_link(spec: Any, parent: Any, link: LinkModel, options: MuJoCoOptions) -> Any:
@@ -177,11 +177,16 @@ def _add_link(spec: Any, parent: Any, link: LinkModel, options: MuJoCoOptions) -
     return body
 
 
-def _add_servo(spec: Any, link: LinkModel, options: MuJoCoOptions) -> None:
-    """A servo with force kp (u - q) - kv q'; u = q_ref + kv / kp q'_ref makes it track."""
+def _add_servo(spec: Any, arm: ArmModel, link: LinkModel, options: MuJoCoOptions) -> None:
+    """A servo with force kp (u - q) - kv q'; u = q_ref + kv / kp q'_ref makes it track.
+
+    It gives no more than the joint's effort, and is so stiff that an error of ``give`` asks for it.
+    """
     kp, kv, limit = _FINGER_GAINS
     if link.coordinate >= 0:
-        kp, kv, limit = options.stiffness, options.damping, options.torque_limit
+        limit = float(arm.effort[link.coordinate])
+        kp = min(options.stiffness, limit / options.give)
+        kv = options.lead * kp
     servo = spec.add_actuator(name=link.name, target=link.name)
     servo.trntype = mujoco.mjtTrn.mjTRN_JOINT
     servo.gainprm[0] = kp

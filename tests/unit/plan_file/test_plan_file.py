@@ -186,6 +186,7 @@ def test_wrong_content(tmp_path, path, value, expected):
 def test_wrong_number_of_joints(tmp_path):
     def change(data):
         for segment in data["retrieval"]["segments"]:
-            segment["positions"] = [row[:3] for row in segment["positions"]]
+            for values in ("positions", "velocities"):
+                segment[values] = [row[:3] for row in segment[values]]
 
     assert complaint(tmp_path, change).endswith("a trajectory of 3 joints, the robot has 7")
