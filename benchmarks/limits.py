@@ -41,11 +41,12 @@ def used(document: PlanDocument, arm: ArmModel, *, effort: bool) -> dict[str, fl
 
 def efforts(document: PlanDocument, arm: ArmModel) -> Any:
     """Largest share (dof,) of each joint's effort while the whole plan is replayed in MuJoCo."""
-    from mamo_core.interfaces.transition_model import RolloutOptions
-    from mamo_core.simulation.model import SimulatedModel
     from mamo_mujoco.engine import MuJoCoWorld
     from mamo_mujoco.model import MuJoCoWorlds
     from mamo_mujoco.options import MuJoCoOptions
+
+    from mamo_core.interfaces.transition_model import RolloutOptions
+    from mamo_core.simulation.model import SimulatedModel
 
     largest = np.zeros(arm.dof)
     worlds = MuJoCoWorlds(document.problem, arm, MuJoCoOptions(), 0.0)

@@ -100,4 +100,5 @@ def shares(trajectory: Trajectory, robot: ArmModel) -> dict[str, Array]:
 def samples(trajectory: Trajectory) -> Array:
     """Positions (k, dof) at a controller's steps, at rest for a few before and after."""
     count = int(np.ceil(trajectory.duration / CONTROL_STEP))
-    return trajectory.at(np.arange(-_AT_REST, count + _AT_REST + 1) * CONTROL_STEP)
+    steps = np.arange(-_AT_REST, count + _AT_REST + 1, dtype=np.float64)
+    return trajectory.at(CONTROL_STEP * steps)

@@ -26,6 +26,9 @@ from mamo_dart.options import DARTOptions
 
 GRAVITY = 9.81
 
+FINGER_LIMIT = 400.0
+"""Of finger servos, N m (or N)."""
+
 NO_LIMIT = 1e6
 """Friction coefficient of arm and fixtures: the pair's is the smaller one, so the object's own."""
 
@@ -160,8 +163,11 @@ def load_robot(problem: Problem, arm: ArmModel, options: DARTOptions) -> Any:
     for link in arm.links:
         joint = robot.getJoint(link.name)
         joint.setActuatorType(dartpy.dynamics.ActuatorType.SERVO)
-        joint.setForceLowerLimit(0, -options.torque_limit)
-        joint.setForceUpperLimit(0, options.torque_limit)
+        limit = FINGER_LIMIT
+        if link.coordinate >= 0:
+            limit = options.effort * float(arm.effort[link.coordinate])
+        joint.setForceLowerLimit(0, -limit)
+        joint.setForceUpperLimit(0, limit)
     return robot
 
 

@@ -14,6 +14,9 @@ class MuJoCoOptions(Options):
     stiffness: float = Field(
         4000.0, gt=0.0, description="largest position gain of the arm, N m/rad"
     )
+    effort: float = Field(
+        1.0, gt=0.0, le=1.0, description="share of the robot's efforts that its servos may use"
+    )
     give: float = Field(
         0.0075,
         gt=0.0,

@@ -184,8 +184,8 @@ def _add_servo(spec: Any, arm: ArmModel, link: LinkModel, options: MuJoCoOptions
     """
     kp, kv, limit = _FINGER_GAINS
     if link.coordinate >= 0:
-        limit = float(arm.effort[link.coordinate])
-        kp = min(options.stiffness, limit / options.give)
+        strength = float(arm.effort[link.coordinate])
+        kp, limit = min(options.stiffness, strength / options.give), options.effort * strength
         kv = options.lead * kp
     servo = spec.add_actuator(name=link.name, target=link.name)
     servo.trntype = mujoco.mjtTrn.mjTRN_JOINT

@@ -15,6 +15,8 @@ from mamo_pybullet.world import Bodies, WorldIndex, build
 
 _BODY_A, _BODY_B, _DISTANCE = 1, 2, 8
 _FRAME_POSITION, _FRAME_ORIENTATION = 4, 5
+_FINGER_LIMIT = 400.0
+"""Of finger servos, N m (or N)."""
 _HOLD_FORCE, _HOLD_CORRECTION = 1e4, 1.0
 _SLEEP_SPEED, _SLEEP_SPIN, _SLEEP_AFTER = 0.005, 0.05, 0.1
 """Objects slower than this (m/s, rad/s) for this long (s) sleep until something touches them."""
@@ -82,9 +84,23 @@ class PyBulletWorld(SimulatedWorld):
             targetVelocities=[*velocities.tolist(), *(0.0 for _ in index.fingers)],
             positionGains=[options.position_gain] * len(joints),
             velocityGains=[1.0] * len(joints),
-            forces=[options.torque_limit] * len(joints),
+            forces=[*self._limits(positions, drive), *(_FINGER_LIMIT for _ in index.fingers)],
             physicsClientId=self._client,
         )
+
+    def _limits(self, positions: Array, drive: float) -> list[float]:
+        """Most that each servo may give: its effort beside what carries the arm's own weight."""
+        index = self.index
+        coordinates = np.empty(len(index.moved))
+        coordinates[index.moved_arm], coordinates[index.moved_fingers] = positions, drive
+        still = [0.0] * len(coordinates)
+        weight = pybullet.calculateInverseDynamics(
+            index.robot, coordinates.tolist(), still, still, physicsClientId=self._client
+        )
+        own = np.abs(np.array(weight)[index.moved_arm])
+        efforts = self._bodies.options.effort * self._bodies.arm.effort
+        limits: list[float] = (efforts + own).tolist()
+        return limits
 
     def step(self) -> None:
         pybullet.stepSimulation(physicsClientId=self._client)

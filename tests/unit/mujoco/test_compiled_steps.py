@@ -118,7 +118,7 @@ def test_an_arm_that_stalls(cases, model_of, one_by_one, stretches):
         replace(o, mass=500.0, friction=1.5) if o.name == "can" else o for o in scene.objects
     )
     problem = replace(cases.problem, scene=replace(scene, objects=objects))
-    weak = model_of(problem, torque_limit=40.0)
+    weak = model_of(problem)
     result = both(one_by_one, lambda: weak.rollout(problem.initial, cases.push, options=EARLY))
     assert result.stalled
     assert stretches["follow"][-1] == 1 < stretches["follow"][0]
