@@ -218,6 +218,7 @@ def _segment_data(segment: MotionSegment) -> dict[str, Any]:
         "kind": str(segment.kind),
         "times": segment.trajectory.times.tolist(),
         "positions": segment.trajectory.positions.tolist(),
+        "velocities": segment.trajectory.velocities.tolist(),
         "opening": segment.opening,
         "held": segment.held,
         "contact_free": segment.contact_free,
@@ -238,7 +239,9 @@ def _motion(item: MotionDocument) -> Motion:
 def _segment(item: SegmentDocument) -> MotionSegment:
     return MotionSegment(
         kind=item.kind,
-        trajectory=Trajectory(np.array(item.times), _table(item.positions, None)),
+        trajectory=Trajectory(
+            np.array(item.times), _table(item.positions, None), _table(item.velocities, None)
+        ),
         opening=item.opening,
         held=item.held,
         contact_free=item.contact_free,

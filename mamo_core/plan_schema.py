@@ -21,6 +21,9 @@ class SegmentDocument(_Document):
     kind: SegmentKind = Field(description="what the arm does meanwhile")
     times: tuple[float, ...] = Field(min_length=1, description="s, from 0")
     positions: tuple[tuple[float, ...], ...] = Field(description="joint positions at times, rad")
+    velocities: tuple[tuple[float, ...], ...] = Field(
+        description="joint velocities at times, rad/s; cubics in between"
+    )
     opening: float = Field(description="gap between the fingers at the end, m")
     held: str | None = Field(description="object attached to the tool")
     contact_free: bool = Field(description="nothing but what is in the hand may touch the arm")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from mamo_core.robots.exact_collision import ExactChecker
 from mamo_core.robots.model import ArmModel
-from mamo_core.robots.timing import interpolated
+from mamo_core.robots.timing import sampled
 from mamo_core.types.motion import MotionSegment
 from mamo_core.types.scene import Scene, SceneState
 
@@ -33,7 +33,7 @@ def check_meshes(
         for width in {before, segment.opening} if segment.contact_free else ():
             ignore = [name for name in (segment.held, segment.closes_on) if name is not None]
             world = checker.world(state.object_poses, opening=width, ignore=ignore)
-            rows = interpolated(segment.trajectory.positions, _MESH_STEP)
+            rows = sampled(segment.trajectory, _MESH_STEP)
             touched = world.first_touched(rows)
             if touched is not None:
                 failures.append(f"{segment.kind}: the arm's mesh touches {touched}")

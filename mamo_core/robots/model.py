@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mamo_core.robots.limits import JointLimits
 from mamo_core.types.geometry import Array, frozen_array
 
 
@@ -111,6 +112,11 @@ class ArmModel:
     def dof(self) -> int:
         """Number of arm joints."""
         return len(self.joint_names)
+
+    @property
+    def limits(self) -> JointLimits:
+        """How fast the joints may move."""
+        return JointLimits(self.velocity, self.acceleration, self.jerk)
 
     @property
     def around_home(self) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from mamo_core.interfaces.collision_checker import CollisionChecker, HeldObject
 from mamo_core.robots.kinematics import tool_transform
 from mamo_core.robots.model import ArmModel
-from mamo_core.robots.timing import interpolated
+from mamo_core.robots.timing import sampled
 from mamo_core.types.geometry import matrix_from_pose
 from mamo_core.types.motion import MotionSegment
 from mamo_core.types.scene import Scene, SceneState
@@ -31,7 +31,7 @@ def passes(
     before = opening
     held = _held(scene, robot, segments, state)
     for segment in segments:
-        rows = interpolated(segment.trajectory.positions, _STEP)
+        rows = sampled(segment.trajectory, _STEP)
         carried = held if segment.held is not None else None
         ignore = [segment.held] if segment.held is not None else []
         # The fingers move during a segment: both ends of their way are checked.

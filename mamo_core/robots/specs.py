@@ -89,9 +89,11 @@ PR2_RIGHT_ARM = ArmSpec(
         "r_wrist_roll_joint": 0.007,
     },
     finger_slack=0.005,
+    # No data sheet has them: docs/decisions/0022-time-parametrisation.md says where they are from.
     acceleration=(5.0, 5.0, 8.0, 8.0, 9.0, 7.5, 9.0),
     jerk=(100.0, 100.0, 160.0, 160.0, 180.0, 150.0, 180.0),
-    gripper_speed=0.1,
+    # The fingers turn at 0.5 rad/s (URDF); wide open a radian opens them by 0.152 m.
+    gripper_speed=0.075,
     gripper_force=50.0,
     locked={"torso_lift_joint": 0.1},
     body_links=("base_link", "torso_lift_link"),
@@ -117,6 +119,7 @@ PANDA = ArmSpec(
         "panda_joint7": 0.01,
     },
     finger_slack=0.005,
+    # Franka Control Interface documentation, control parameters: joint limits of the Panda.
     acceleration=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
     jerk=(7500.0, 3750.0, 5000.0, 6250.0, 7500.0, 10000.0, 10000.0),
     gripper_speed=0.1,

@@ -92,9 +92,8 @@ class MotionRun:
         told = commanded(segment, self.opening, self._world.squeeze)
         trajectory = segment.trajectory
         count = int(np.ceil(trajectory.duration / self._step - 1e-9))
-        positions = trajectory.at(np.arange(1, count + 1, dtype=np.float64) * self._step)
-        before = np.vstack([trajectory.positions[:1], positions[:-1]])
-        velocities = (positions - before) / self._step
+        times = np.arange(1, count + 1, dtype=np.float64) * self._step
+        positions, velocities = trajectory.states_at(times)
         openings = np.linspace(self.opening, told, count + 1)[1:]
         drives = self._gripper.drives(openings)
         seen = openings if told == segment.opening else np.maximum(openings, segment.opening)

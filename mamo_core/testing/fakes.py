@@ -163,4 +163,4 @@ def _segment(
     positions = np.array(stations)
     steps = np.linalg.norm(np.diff(positions[:, :3], axis=0), axis=1)
     times = np.concatenate([[0.0], np.cumsum(np.maximum(steps / SPEED, 0.1))])
-    return MotionSegment(kind, Trajectory(times, positions), opening, held, contact_free)
+    return MotionSegment(kind, Trajectory.through(times, positions), opening, held, contact_free)

@@ -96,15 +96,17 @@ def _cases(robot: str, path: Array) -> TransitionCases:
 
 
 def _still(joints: Array) -> Motion:
-    trajectory = Trajectory(np.array([0.0, 0.5]), np.array([joints, joints]))
+    trajectory = Trajectory.still(joints, 0.5)
     return Motion((MotionSegment(SegmentKind.TRANSIT, trajectory, opening=0.0),), opening=0.0)
 
 
 def there_and_back(path: Array, step: float) -> Motion:
     """A sweep along joint positions (k, dof) whose tool poses are ``step`` m apart, and back."""
     times = np.arange(len(path), dtype=np.float64) * step / SPEED
-    sweep = MotionSegment(SegmentKind.SWEEP, Trajectory(times, path), opening=0.0, settle=1.0)
-    back = Trajectory(times, path[::-1])
+    sweep = MotionSegment(
+        SegmentKind.SWEEP, Trajectory.through(times, path), opening=0.0, settle=1.0
+    )
+    back = Trajectory.through(times, path[::-1])
     retract = MotionSegment(SegmentKind.RETRACT, back, opening=0.0, contact_free=True)
     return Motion((sweep, retract), opening=0.0)
 

@@ -13,20 +13,51 @@ from mamo_core.types.geometry import Array, frozen_array
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Joint positions (k, dof) rad at ``times`` (k,) s, linear in between; times start at 0."""
+    """Joint positions (k, dof) rad and velocities (k, dof) rad/s at ``times`` (k,) s from 0 on.
+
+    In between each joint follows the cubic that has both at both ends (Hermite).
+    """
 
     times: Array
     positions: Array
+    velocities: Array
 
     def __post_init__(self) -> None:
         times = frozen_array(self.times, "trajectory times", (None,))
         positions = frozen_array(self.positions, "trajectory positions", (None, None))
+        velocities = frozen_array(self.velocities, "trajectory velocities", positions.shape)
         if times.size != positions.shape[0] or times.size == 0:
             raise ValueError(f"trajectory: {times.size} times for {positions.shape[0]} positions")
         if times[0] != 0.0 or (np.diff(times) <= 0.0).any():
             raise ValueError("trajectory: times must start at 0 and increase")
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "positions", positions)
+        object.__setattr__(self, "velocities", velocities)
+
+    @classmethod
+    def still(cls, configuration: Array, seconds: float) -> Trajectory:
+        """The arm stays at a configuration (dof,) for ``seconds``, which may be 0."""
+        rows = 2 if seconds > 0.0 else 1
+        times = np.array([0.0, seconds])[:rows]
+        positions = np.stack([configuration] * rows)
+        return cls(times, positions, np.zeros_like(positions))
+
+    @classmethod
+    def through(cls, times: Array, positions: Array) -> Trajectory:
+        """From rest through ``positions`` (k, dof) at ``times`` (k,) to rest, overshooting nowhere.
+
+        Limits of the arm are not looked at: ``robots.timing.time_path`` finds times for those.
+        """
+        times = np.asarray(times, dtype=np.float64)
+        positions = np.asarray(positions, dtype=np.float64)
+        slopes = np.diff(positions, axis=0) / np.diff(times)[:, None]
+        before, after = slopes[:-1], slopes[1:]
+        # Monotone between rows: no more than twice the smaller slope, and 0 at a turning point.
+        least = np.minimum(np.abs(before), np.abs(after))
+        inner = np.clip((before + after) / 2.0, -2.0 * least, 2.0 * least)
+        velocities = np.zeros_like(positions)
+        velocities[1:-1] = np.where(before * after > 0.0, inner, 0.0)
+        return cls(times, positions, velocities)
 
     @property
     def duration(self) -> float:
@@ -35,8 +66,35 @@ class Trajectory:
 
     def at(self, times: Array) -> Array:
         """Positions (m, dof) at ``times`` (m,), held before the start and after the end."""
-        columns = [np.interp(times, self.times, column) for column in self.positions.T]
-        return np.stack(columns, axis=1)
+        return self.states_at(times)[0]
+
+    def states_at(self, times: Array) -> tuple[Array, Array]:
+        """Positions and velocities (m, dof) at ``times`` (m,); at rest before and after."""
+        times = np.asarray(times, dtype=np.float64)
+        if self.times.size == 1:
+            positions = np.repeat(self.positions, times.size, axis=0)
+            return positions, np.zeros_like(positions)
+        row = np.searchsorted(self.times, times, side="right") - 1
+        row = np.clip(row, 0, self.times.size - 2)
+        length = (self.times[1:] - self.times[:-1])[row]
+        share = np.clip((times - self.times[row]) / length, 0.0, 1.0)[:, None]
+        length = length[:, None]
+        begin, end = self.positions[row], self.positions[row + 1]
+        leaving, arriving = length * self.velocities[row], length * self.velocities[row + 1]
+        way = end - begin
+        # Powers of the share: leaving, then what bends it so that it arrives.
+        square, cube = 3.0 * way - 2.0 * leaving - arriving, leaving + arriving - 2.0 * way
+        positions = begin + share * (leaving + share * (square + share * cube))
+        velocities = (leaving + share * (2.0 * square + 3.0 * share * cube)) / length
+        outside = (times < 0.0) | (times > self.times[-1])
+        velocities[outside] = 0.0
+        return positions, velocities
+
+    def part(self, first: int, last: int) -> Trajectory:
+        """Rows ``first`` to ``last``, both included, as a trajectory of its own."""
+        rows = slice(first, last + 1)
+        times = self.times[rows] - self.times[first]
+        return Trajectory(times, self.positions[rows], self.velocities[rows])
 
 
 class SegmentKind(StrEnum):

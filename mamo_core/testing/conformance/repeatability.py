@@ -10,7 +10,7 @@ from mamo_core.interfaces.transition_model import RolloutOptions, TransitionMode
 from mamo_core.testing.conformance.bench import Bench, fail, require
 from mamo_core.testing.conformance.scenery import ALL
 from mamo_core.testing.transition_cases import merged, standard_constraints
-from mamo_core.types.motion import Motion, Trajectory
+from mamo_core.types.motion import Motion
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import SceneState
 
@@ -139,7 +139,7 @@ def _in_mid_push(bench: Bench) -> tuple[Motion, Motion, Motion]:
     sweep, retract = bench.cases.push.segments
     path = bench.cases.crash.segments[0].trajectory
     done = len(sweep.trajectory.times) - 1
-    rest = Trajectory(path.times[done:] - path.times[done], path.positions[done:])
+    rest = path.part(done, len(path.times) - 1)
     begun = Motion((replace(sweep, settle=0.0),), bench.cases.push.opening)
     onward = Motion((replace(sweep, trajectory=rest),), sweep.opening)
     return begun, onward, Motion((retract,), sweep.opening)

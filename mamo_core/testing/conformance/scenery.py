@@ -57,7 +57,7 @@ def on_a_board(
 
 def still(seconds: float, where: Array = PARKED) -> Motion:
     """The arm keeps still."""
-    trajectory = Trajectory(np.array([0.0, seconds]), np.array([where, where]))
+    trajectory = Trajectory.still(where, seconds)
     return Motion((MotionSegment(SegmentKind.TRANSIT, trajectory, 0.0),), 0.0)
 
 
@@ -78,12 +78,14 @@ def line(
     cruise = (distance - 0.5 * speed * ramp) / speed
     if cruise < 0.0:
         raise ValueError(f"line: {distance:g} m are too short to gain {speed:g} m/s")
-    slow = np.linspace(0.0, ramp, 11)
-    times, gone = slow, 0.5 * speed / ramp * slow**2
+    times, gone, speeds = np.array([[0.0, ramp], [0.0, 0.5 * speed * ramp], [0.0, speed]])
     if cruise > 0.0:
         times, gone = np.append(times, ramp + cruise), np.append(gone, distance)
-    path = start + (gone / distance)[:, None] * (end - start)
-    return MotionSegment(SegmentKind.SWEEP, Trajectory(times, path), 0.0, held, False, settle)
+        speeds = np.append(speeds, speed)
+    way = (end - start) / distance
+    path, velocities = start + gone[:, None] * way, speeds[:, None] * way
+    trajectory = Trajectory(times, path, velocities)
+    return MotionSegment(SegmentKind.SWEEP, trajectory, 0.0, held, False, settle)
 
 
 def up(where: Array, height: float = 0.3, settle: float = 0.0) -> MotionSegment:

@@ -15,7 +15,7 @@ from mamo_core.types.problem import Problem
 from mamo_core.types.rollout import NO_CONTACTS, NO_DEPTHS, ParameterOverrides, StepObservation
 from mamo_core.types.scene import SceneState
 from mamo_dart.options import DARTOptions
-from mamo_dart.world import build, load_robot, values_of
+from mamo_dart.world import LINKAGE_LIMIT, build, load_robot, values_of
 
 
 class DARTWorld(SimulatedWorld):
@@ -42,7 +42,7 @@ class DARTWorld(SimulatedWorld):
         self.time_step = options.time_step
         self._weld: Any = None
         self._contacts, self._depths, self._unseen = NO_CONTACTS, NO_DEPTHS, 0
-        carriers = [finger.follows for finger in finger_drives(arm, options.torque_limit)]
+        carriers = [finger.follows for finger in finger_drives(arm, LINKAGE_LIMIT)]
         self._tips = np.array([n for n, k in enumerate(carriers) if k is not None], dtype=np.int64)
         self._carriers = np.array([k for k in carriers if k is not None], dtype=np.int64)
 

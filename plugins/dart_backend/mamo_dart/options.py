@@ -24,7 +24,9 @@ class DARTOptions(Options):
     contacts_every: int = Field(
         4, ge=1, description="steps between two looks at the contacts, which are slow to read"
     )
-    torque_limit: float = Field(400.0, gt=0.0, description="limit of every servo, N m (or N)")
+    effort: float = Field(
+        1.0, gt=0.0, le=1.0, description="share of the robot's efforts that its servos may use"
+    )
     workers: int = Field(
         1, ge=0, description="engine processes; 0: in this process, where a crash ends everything"
     )

@@ -28,6 +28,9 @@ from mamo_dart.options import DARTOptions
 
 GRAVITY = 9.81
 
+LINKAGE_LIMIT = 400.0
+"""Of the linkage that keeps finger tips to their fingers, N m."""
+
 NO_LIMIT = 1e6
 """Friction coefficient of arm and fixtures: the pair's is the smaller one, so the object's own."""
 
@@ -160,11 +163,14 @@ def load_robot(problem: Problem, arm: ArmModel, options: DARTOptions) -> Any:
         body.setGravityMode(False)
         for k in range(body.getNumShapeNodes()):
             _rub(body.getShapeNode(k), NO_LIMIT)
-    efforts = iter([finger.effort for finger in finger_drives(arm, options.torque_limit)])
+    efforts = iter([finger.effort for finger in finger_drives(arm, LINKAGE_LIMIT)])
     for link in arm.links:
         joint = robot.getJoint(link.name)
         joint.setActuatorType(dartpy.dynamics.ActuatorType.SERVO)
-        limit = next(efforts) if link.coordinate < 0 else options.torque_limit
+        if link.coordinate < 0:
+            limit = next(efforts)
+        else:
+            limit = options.effort * float(arm.effort[link.coordinate])
         joint.setForceLowerLimit(0, -limit)
         joint.setForceUpperLimit(0, limit)
     return robot

@@ -161,8 +161,9 @@ def inverse_batch(
 ) -> int:
     """Fill ``found`` (wanted, dof) with distinct solutions from ``seeds`` (m, dof) in their order.
 
-    Turns of joints with more than a full range are brought next to ``home`` (dof,). Solutions
-    closer than ``apart`` (rad, every joint) to an earlier one are dropped. Returns their number.
+    Turns of joints with more than a full range are brought as close to ``home`` (dof,) as the
+    limits allow. Solutions closer than ``apart`` (rad, every joint) to an earlier one are dropped.
+    Returns their number.
     """
     dof = home.shape[0]
     count = 0
@@ -172,8 +173,9 @@ def inverse_batch(
         if not descend(chain, q, goal):
             continue
         for j in range(dof):
-            if chain.upper[j] - chain.lower[j] > 2.0 * np.pi:
-                q[j] -= 2.0 * np.pi * np.round((q[j] - home[j]) / (2.0 * np.pi))
+            slide = abs(chain.slide[j, 0]) + abs(chain.slide[j, 1]) + abs(chain.slide[j, 2])
+            if slide == 0.0 and chain.upper[j] - chain.lower[j] > 2.0 * np.pi:
+                q[j] = _turned_home(q[j], home[j], chain.lower[j], chain.upper[j])
         fresh = True
         for k in range(count):
             if row_gap(found, k, q) < apart:
@@ -186,6 +188,18 @@ def inverse_batch(
             if count == found.shape[0]:
                 break
     return count
+
+
+@njit(cache=True, error_model="numpy")
+def _turned_home(angle: float, home: float, lower: float, upper: float) -> float:
+    """``angle`` (within limits) turned as close to home as whole turns within limits bring it."""
+    turn = 2.0 * np.pi
+    turns = np.round((angle - home) / turn)
+    while turns > 0.0 and angle - turns * turn < lower:
+        turns -= 1.0
+    while turns < 0.0 and angle - turns * turn > upper:
+        turns += 1.0
+    return float(angle - turns * turn)
 
 
 # Slices and whole-array expressions would read better here and below, but they compile slowly.

@@ -48,7 +48,10 @@ class ChainKinematics(Kinematics):
     ) -> Array:
         drawn = rng.random((count * self._options.attempts, self._home.size))
         drawn = self._low + self._range * drawn
-        seeds = drawn if near is None else np.vstack([near[None, :], drawn])
+        seeds = drawn
+        if near is not None:
+            inside = np.clip(near, self._chain.lower, self._chain.upper)
+            seeds = np.vstack([inside[None, :], drawn])
         goal = np.ascontiguousarray(T_world_tool[:3], dtype=np.float64)
         found = np.empty((count, self._home.size))
         apart = self._options.apart

@@ -118,6 +118,10 @@ class MuJoCoWorld(SimulatedWorld):
     def joint_positions(self) -> Array:
         return self._qpos.take(self._index.arm_qpos)
 
+    def efforts(self) -> Array:
+        """What the arm's servos gave in the last step (dof,), N m or N."""
+        return self._data.qfrc_actuator.take(self._index.arm_qvel)
+
     def tool_pose(self) -> Array:
         return pose_from_matrix(_body_matrix(self._data, self._index.tool_body))
 

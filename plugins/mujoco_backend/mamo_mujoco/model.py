@@ -78,7 +78,7 @@ class MuJoCoWorlds:
         self, problem: Problem, arm: ArmModel, options: MuJoCoOptions, clearance: float
     ) -> None:
         self._problem = problem
-        self._lead = options.damping / options.stiffness
+        self._lead = options.lead
         self._sleep_at_once = options.sleep and options.sleep_at_once
         self._friction = options.grasp == "friction"
         self._model = build_model(problem, arm, options, clearance)

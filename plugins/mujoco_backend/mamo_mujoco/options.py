@@ -13,13 +13,19 @@ class MuJoCoOptions(Options):
     """Options of ``mujoco``; the defaults are the measured trade of speed against accuracy."""
 
     time_step: float = Field(0.004, gt=0.0, le=0.01, description="simulation step, s")
-    stiffness: float = Field(4000.0, gt=0.0, description="position gain of the arm, N m/rad")
-    damping: float = Field(200.0, gt=0.0, description="velocity gain of the arm, N m s/rad")
-    torque_limit: float = Field(
-        400.0,
+    stiffness: float = Field(
+        4000.0, gt=0.0, description="largest position gain of the arm, N m/rad"
+    )
+    effort: float = Field(
+        1.0, gt=0.0, le=1.0, description="share of the robot's efforts that its servos may use"
+    )
+    give: float = Field(
+        0.0075,
         gt=0.0,
-        description="limit of every servo, N m; a saturated stiff servo chatters, so it is wide "
-        "and an arm that cannot follow is reported as stalled",
+        description="error (rad) at which a joint's servo is at its effort, if it is stiff enough",
+    )
+    lead: float = Field(
+        0.05, gt=0.0, description="velocity gain of the arm by its position gain, s"
     )
     sleep: bool = Field(True, description="let resting objects sleep: faster")
     sleep_at_once: bool = Field(

@@ -156,7 +156,7 @@ def _add_arm(spec: Any, problem: Problem, arm: ArmModel, options: MuJoCoOptions)
         parent = base if link.parent < 0 else bodies[link.parent]
         bodies.append(_add_link(spec, parent, link, options))
         if link.coordinate >= 0:
-            _add_servo(spec, link, options)
+            _add_servo(spec, arm, link, options)
         else:
             add_finger_servo(spec, link, arm, options.time_step)
 
@@ -191,10 +191,14 @@ def _add_link(spec: Any, parent: Any, link: LinkModel, options: MuJoCoOptions) -
     return body
 
 
-def _add_servo(spec: Any, link: LinkModel, options: MuJoCoOptions) -> None:
-    """A servo with force kp (u - q) - kv q'; u = q_ref + kv / kp q'_ref makes it track."""
-    kp, kv, limit = options.stiffness, options.damping, options.torque_limit
-    add_servo(spec, link, kp, kv, limit)
+def _add_servo(spec: Any, arm: ArmModel, link: LinkModel, options: MuJoCoOptions) -> None:
+    """A servo with force kp (u - q) - kv q'; u = q_ref + kv / kp q'_ref makes it track.
+
+    It gives no more than the joint's effort, and is so stiff that an error of ``give`` asks for it.
+    """
+    strength = float(arm.effort[link.coordinate])
+    kp, limit = min(options.stiffness, strength / options.give), options.effort * strength
+    add_servo(spec, link, kp, options.lead * kp, limit)
 
 
 def _add_shape(

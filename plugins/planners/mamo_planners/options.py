@@ -102,5 +102,4 @@ class PickPlaceOptions(Options):
     reach_speed: float = Field(0.25, gt=0.0, description="tool speed to and from the object, m/s")
     lift_speed: float = Field(0.15, gt=0.0, description="tool speed up and down, m/s")
     carry_speed: float = Field(0.4, gt=0.0, description="tool speed while carrying, m/s")
-    gripper_time: float = Field(0.5, gt=0.0, description="time to open or close the fingers, s")
     settle: float = Field(1.0, ge=0.0, description="longest wait for objects to rest, s")

@@ -6,12 +6,13 @@ import numpy as np
 
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.robots.model import ArmModel
+from mamo_core.robots.timing import gripper_seconds
 from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.problem import Problem
 from mamo_planners.grasp_candidates import Candidate
 from mamo_planners.options import RetrievalOptions
-from mamo_planners.tool_timing import GRIPPER_TIME, timed_for_tool
+from mamo_planners.tool_timing import timed_for_tool
 
 _ROOMY, _SLOWEST = 0.004, 0.3
 """Beside the target, m, from which the hand goes at full speed, and the least share of it."""
@@ -30,7 +31,7 @@ class RetrievalMotion:
     def whole(self, chosen: Candidate, transit: Array, carry: Array) -> Motion:
         """Open at home, go to the pre-grasp along ``transit`` (k, dof), take out the target."""
         opening = chosen.grasp.opening
-        opened = _still(self._problem.home)
+        opened = self._still(self._problem.home, self._arm.gripper.closed, opening)
         gone = self._timed(transit, np.inf)
         return Motion(
             (
@@ -60,7 +61,7 @@ class RetrievalMotion:
             ),
             MotionSegment(
                 SegmentKind.GRIPPER,
-                _still(chosen.reach[-1]),
+                self._still(chosen.reach[-1], opening, width),
                 width,
                 contact_free=True,
                 closes_on=name,
@@ -91,7 +92,6 @@ class RetrievalMotion:
             T_tool_point=T_tool_point,
         )
 
-
-def _still(q: Array) -> Trajectory:
-    """The arm at ``q`` (dof,) while the fingers move."""
-    return Trajectory(np.array([0.0, GRIPPER_TIME]), np.stack([q, q]))
+    def _still(self, q: Array, before: float, after: float) -> Trajectory:
+        """The arm at ``q`` (dof,) while the fingers move."""
+        return Trajectory.still(q, gripper_seconds(self._arm.gripper, before, after))

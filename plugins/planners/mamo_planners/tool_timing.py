@@ -10,9 +10,6 @@ from mamo_core.robots.timing import interpolated, time_path
 from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Trajectory
 
-GRIPPER_TIME = 0.5
-"""Time to open or close the hand, s."""
-
 _STEP = 0.1
 
 
@@ -34,7 +31,7 @@ def timed_for_tool(
     T = np.eye(4) if T_tool_point is None else T_tool_point
     return time_path(
         path,
-        arm.velocity,
+        arm.limits,
         scale=joint_speed,
         tool_positions=np.array([(kinematics.forward(q) @ T)[:3, 3] for q in path]),
         tool_speed=tool_speed,

@@ -16,6 +16,8 @@ from mamo_pybullet.world import Bodies, WorldIndex, build
 
 _BODY_A, _BODY_B, _DISTANCE = 1, 2, 8
 _FRAME_POSITION, _FRAME_ORIENTATION = 4, 5
+_LINKAGE_LIMIT = 400.0
+"""Of the linkage that keeps finger tips to their fingers, N m."""
 _HOLD_FORCE, _HOLD_CORRECTION = 1e4, 1.0
 _SLEEP_SPEED, _SLEEP_SPIN, _SLEEP_AFTER = 0.005, 0.05, 0.1
 """Objects slower than this (m/s, rad/s) for this long (s) sleep until something touches them."""
@@ -33,9 +35,8 @@ class PyBulletWorld(SimulatedWorld):
         self._bodies = bodies
         self.time_step = bodies.options.time_step
         self._client: int = pybullet.connect(pybullet.DIRECT)
-        arm, limit = bodies.arm, bodies.options.torque_limit
-        self._fingers = finger_drives(arm, limit)
-        self._efforts = [limit] * arm.dof + [finger.effort for finger in self._fingers]
+        self._fingers = finger_drives(bodies.arm, _LINKAGE_LIMIT)
+        self._finger_efforts = [finger.effort for finger in self._fingers]
         self._poses = np.array(bodies.problem.initial.object_poses)
         self._axes = z_axes(self._poses)
         self._index: WorldIndex | None = None
@@ -86,7 +87,7 @@ class PyBulletWorld(SimulatedWorld):
             targetVelocities=[*velocities.tolist(), *(0.0 for _ in index.fingers)],
             positionGains=[options.position_gain] * len(joints),
             velocityGains=[1.0] * len(joints),
-            forces=self._efforts,
+            forces=[*self._limits(positions, drive), *self._finger_efforts],
             physicsClientId=self._client,
         )
 
@@ -100,6 +101,20 @@ class PyBulletWorld(SimulatedWorld):
             drive if finger.follows is None else states[finger.follows][0]
             for finger in self._fingers
         ]
+
+    def _limits(self, positions: Array, drive: float) -> list[float]:
+        """Most that each servo may give: its effort beside what carries the arm's own weight."""
+        index = self.index
+        coordinates = np.empty(len(index.moved))
+        coordinates[index.moved_arm], coordinates[index.moved_fingers] = positions, drive
+        still = [0.0] * len(coordinates)
+        weight = pybullet.calculateInverseDynamics(
+            index.robot, coordinates.tolist(), still, still, physicsClientId=self._client
+        )
+        own = np.abs(np.array(weight)[index.moved_arm])
+        efforts = self._bodies.options.effort * self._bodies.arm.effort
+        limits: list[float] = (efforts + own).tolist()
+        return limits
 
     def step(self) -> None:
         pybullet.stepSimulation(physicsClientId=self._client)

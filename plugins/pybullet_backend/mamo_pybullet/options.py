@@ -15,7 +15,9 @@ class PyBulletOptions(Options):
     position_gain: float = Field(
         0.3, gt=0.0, le=1.0, description="share of a joint's error that a servo corrects per step"
     )
-    torque_limit: float = Field(400.0, gt=0.0, description="limit of every servo, N m (or N)")
+    effort: float = Field(
+        1.0, gt=0.0, le=1.0, description="share of the robot's efforts that its servos may use"
+    )
     sleep: bool = Field(True, description="let resting objects sleep: faster")
     workers: int = Field(
         1, ge=0, description="engine processes; 0: in this process, where a crash ends everything"

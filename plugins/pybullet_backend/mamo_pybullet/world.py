@@ -27,8 +27,9 @@ GRAVITY = 9.81
 @dataclass(frozen=True, eq=False)
 class WorldIndex:
     """Where things are: ``objects``: body of each object; ``loose``: scene numbers of those that
-    can move; ``entity``: entity number by body; ``arm`` and ``fingers``: joint numbers; ``tool``:
-    the tool's link."""
+    can move; ``entity``: entity number by body; ``arm`` and ``fingers``: joint numbers; ``moved``:
+    all of them, ascending, as the engine's dynamics have them, with ``moved_arm`` and
+    ``moved_fingers`` the places of the others there; ``tool``: the tool's link."""
 
     robot: int
     objects: tuple[int, ...]
@@ -36,6 +37,9 @@ class WorldIndex:
     entity: dict[int, int]
     arm: tuple[int, ...]
     fingers: tuple[int, ...]
+    moved: tuple[int, ...]
+    moved_arm: list[int]
+    moved_fingers: list[int]
     tool: int
 
 
@@ -176,14 +180,20 @@ def _index(
     count = pybullet.getNumJoints(robot, physicsClientId=client)
     infos = [pybullet.getJointInfo(robot, j, physicsClientId=client) for j in range(count)]
     number = {info[1].decode(): info[0] for info in infos}
-    moved = sorted((k for k in arm.links if k.coordinate >= 0), key=lambda link: link.coordinate)
+    chain = sorted((k for k in arm.links if k.coordinate >= 0), key=lambda link: link.coordinate)
+    joints = tuple(number[link.name] for link in chain)
+    fingers = tuple(number[link.name] for link in arm.links if link.coordinate < 0)
+    moved = tuple(sorted((*joints, *fingers)))
     return WorldIndex(
         robot=robot,
         objects=objects,
         loose=loose,
         entity=entity,
-        arm=tuple(number[link.name] for link in moved),
-        fingers=tuple(number[link.name] for link in arm.links if link.coordinate < 0),
+        arm=joints,
+        fingers=fingers,
+        moved=moved,
+        moved_arm=[moved.index(joint) for joint in joints],
+        moved_fingers=[moved.index(joint) for joint in fingers],
         tool=number[arm.links[arm.tool_link].name],
     )
 

@@ -47,7 +47,7 @@ class ToyRetrieval:
 
 
 def motion():
-    path = Trajectory([0.0, 1.0], np.zeros((2, 7)))
+    path = Trajectory.still(np.zeros(7), 1.0)
     return Motion((MotionSegment(SegmentKind.TRANSIT, path, 0.0),), 0.0)
 
 

@@ -75,7 +75,7 @@ def grasping(cases, arm):
     opening = 0.07
     lifted, taken = (
         MotionSegment(
-            kind, Trajectory(np.linspace(0, 1.0, len(path)), path), opening, "target", True
+            kind, Trajectory.through(np.linspace(0, 1.0, len(path)), path), opening, "target", True
         )
         for kind, path in ((SegmentKind.LIFT, up.path), (SegmentKind.CARRY, out.path))
     )

@@ -118,7 +118,7 @@ def test_an_arm_that_stalls(cases, model_of, one_by_one, stretches):
         replace(o, mass=500.0, friction=1.5) if o.name == "can" else o for o in scene.objects
     )
     problem = replace(cases.problem, scene=replace(scene, objects=objects))
-    weak = model_of(problem, torque_limit=40.0)
+    weak = model_of(problem)
     result = both(one_by_one, lambda: weak.rollout(problem.initial, cases.push, options=EARLY))
     assert result.stalled
     assert stretches["follow"][-1] == 1 < stretches["follow"][0]
@@ -132,7 +132,7 @@ def test_settling(cases, model, one_by_one, stretches, seconds):
     poses[cases.problem.scene.index("can"), 2] += 0.02
     dropped = SceneState(start.joint_positions, poses)
     home = start.joint_positions
-    brief = Trajectory(np.array([0.0, 0.02]), np.stack([home, home]))
+    brief = Trajectory.still(home, 0.02)
     patient = Motion((MotionSegment(SegmentKind.TRANSIT, brief, 0.0, settle=seconds),), 0.0)
     result = both(one_by_one, lambda: model.rollout(dropped, patient, options=TO_THE_END))
     waited = sum(stretches["wait"])
@@ -146,7 +146,7 @@ def test_held_objects(grasping, model_of, one_by_one, stretches):
     """Lifted, carried, let go and left alone: in hand other contacts are allowed."""
     problem, motion = grasping
     end = motion.segments[0].trajectory.positions[-1]
-    still = Trajectory(np.array([0.0, 0.3]), np.stack([end, end]))
+    still = Trajectory.still(end, 0.3)
     left = MotionSegment(SegmentKind.TRANSIT, still, motion.opening, settle=0.2)
     dropping = Motion((motion.segments[0], left), motion.opening)
     model = model_of(problem)

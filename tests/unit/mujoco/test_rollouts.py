@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from mamo_mujoco.engine import MuJoCoWorld
 
 from mamo_core.interfaces.transition_model import RolloutOptions
 from mamo_core.problems import generate_shelf
@@ -22,7 +23,7 @@ ALL = RolloutOptions(stop_early=False)
 
 
 def waiting(joints, seconds, opening=0.0, **changes):
-    trajectory = Trajectory(np.array([0.0, seconds]), np.stack([joints, joints]))
+    trajectory = Trajectory.still(joints, seconds)
     segment = MotionSegment(SegmentKind.TRANSIT, trajectory, opening, **changes)
     return Motion((segment,), opening)
 
@@ -134,7 +135,7 @@ def test_going_on_is_the_same_as_not_stopping(cases, model):
     start = cases.problem.initial
     back = Motion(
         tuple(
-            replace(s, trajectory=Trajectory(s.trajectory.times, s.trajectory.positions))
+            replace(s, trajectory=s.trajectory.part(0, len(s.trajectory.times) - 1))
             for s in cases.push.segments
         ),
         0.0,
@@ -344,7 +345,7 @@ def test_an_arm_that_is_blocked_stalls(cases, model_of):
         replace(o, mass=500.0, friction=1.5) if o.name == "can" else o for o in scene.objects
     )
     problem = replace(cases.problem, scene=replace(scene, objects=objects))
-    weak = model_of(problem, torque_limit=40.0)
+    weak = model_of(problem)
     result = weak.rollout(problem.initial, cases.push)
     assert result.stalled
     assert not result.valid
@@ -352,8 +353,27 @@ def test_an_arm_that_is_blocked_stalls(cases, model_of):
     assert ("robot", "can") in result.contacts
     assert displacements(problem.initial, result.final_state).max() < 5e-3
     # The same arm is strong enough for the can as it is.
-    light = model_of(cases.problem, torque_limit=40.0).rollout(cases.problem.initial, cases.push)
+    light = model_of(cases.problem).rollout(cases.problem.initial, cases.push)
     assert not light.stalled
+
+
+def test_servos_keep_to_the_efforts(cases, model_of, arm, monkeypatch):
+    """Where the arm pushes half a ton, and on its way there."""
+    seen = []
+    step = MuJoCoWorld.step
+
+    def watched(world):
+        step(world)
+        seen.append(np.abs(world.efforts()) / arm.effort)
+
+    monkeypatch.setattr(MuJoCoWorld, "step", watched)
+    scene = cases.problem.scene
+    objects = tuple(replace(o, mass=500.0, friction=1.5) for o in scene.objects)
+    problem = replace(cases.problem, scene=replace(scene, objects=objects))
+    model_of(problem).rollout(
+        problem.initial, cases.push, options=RolloutOptions(stop_early=False, trace_step=0.1)
+    )
+    assert 0.9 < np.max(seen) <= 1.0 + 1e-9
 
 
 def test_immovables_never_move(cases, model):

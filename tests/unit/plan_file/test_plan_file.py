@@ -39,9 +39,11 @@ def make_problem():
 def make_motion(rng, held=None):
     first, second = rng.random((3, DOF)), rng.random((2, DOF))
     second[0] = first[-1]
+    go = Trajectory([0, 0.1, 1 / 3], first, rng.random((3, DOF)))
+    carry = Trajectory([0, 0.2], second, rng.random((2, DOF)))
     segments = (
-        MotionSegment(SegmentKind.TRANSIT, Trajectory([0, 0.1, 1 / 3], first), 0.01, None, True),
-        MotionSegment(SegmentKind.CARRY, Trajectory([0, 0.2], second), 0.07, held, False, 0.5),
+        MotionSegment(SegmentKind.TRANSIT, go, 0.01, None, True),
+        MotionSegment(SegmentKind.CARRY, carry, 0.07, held, False, 0.5),
     )
     return Motion(segments, 0.02)
 
@@ -77,6 +79,7 @@ def same_motion(one, two):
         )
         assert (a.trajectory.times == b.trajectory.times).all()
         assert (a.trajectory.positions == b.trajectory.positions).all()
+        assert (a.trajectory.velocities == b.trajectory.velocities).all()
 
 
 def test_round_trip_bit_for_bit(tmp_path):
@@ -183,6 +186,7 @@ def test_wrong_content(tmp_path, path, value, expected):
 def test_wrong_number_of_joints(tmp_path):
     def change(data):
         for segment in data["retrieval"]["segments"]:
-            segment["positions"] = [row[:3] for row in segment["positions"]]
+            for values in ("positions", "velocities"):
+                segment[values] = [row[:3] for row in segment[values]]
 
     assert complaint(tmp_path, change).endswith("a trajectory of 3 joints, the robot has 7")

@@ -4,7 +4,6 @@ import re
 import zlib
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from mamo_core.errors import InputError
@@ -25,7 +24,7 @@ HASH = content_hash(problem_document(PROBLEM))
 
 def plan():
     """A retrieval in which the arm stays where it is."""
-    stay = Trajectory(np.array([0.0]), PROBLEM.home[None])
+    stay = Trajectory.still(PROBLEM.home, 0.0)
     segment = MotionSegment(SegmentKind.TRANSIT, stay, 0.0, None, True)
     document = PlanDocument(PROBLEM, Plan((), Motion((segment,), 0.0)), {}, 0)
     return plan_text(document)

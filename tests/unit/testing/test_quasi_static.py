@@ -99,7 +99,7 @@ def test_overrides_of_unknown_objects_are_refused() -> None:
 def test_a_fast_push_breaks_the_speed_limit() -> None:
     problem = row_of_boxes(1)
     positions = np.array([[0.0, 0.0, 0.05, 0.0], [0.2, 0.0, 0.05, 0.0]])
-    sweep = Trajectory(np.array([0.0, 0.1]), positions)
+    sweep = Trajectory.through(np.array([0.0, 0.1]), positions)
     motion = Motion((MotionSegment(SegmentKind.SWEEP, sweep, 0.0),), 0.0)
     result = model(problem).rollout(problem.initial, motion)
     assert [v.constraint for v in result.violations] == ["speed"]
@@ -117,8 +117,8 @@ def fetch(problem: Problem) -> Motion:
     x, y = problem.initial.object_poses[-1, :2]
     stations = [[0.0, y, 0.05, 0.0], [x, y, 0.05, 0.0], [x + 0.2, y, 0.05, 0.0]]
     times = np.array([0.0, 2.0])
-    reach = Trajectory(times, np.array(stations[:2]))
-    carry = Trajectory(times, np.array(stations[1:]))
+    reach = Trajectory.through(times, np.array(stations[:2]))
+    carry = Trajectory.through(times, np.array(stations[1:]))
     return Motion(
         (
             MotionSegment(SegmentKind.REACH, reach, 0.05, contact_free=True),

@@ -11,7 +11,7 @@ from mamo_core.compose import build_parts
 from mamo_core.errors import InputError
 from mamo_core.plugins import discover
 from mamo_core.recipes import find_recipe, load_recipe
-from mamo_core.robots.timing import time_path
+from mamo_core.robots.timing import gripper_seconds, time_path
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.problem import Task
 from mamo_core.types.scene import SceneState
@@ -65,8 +65,9 @@ def plan_to(parts, T_world_tool, opening):
     world = parts.collision.world(parts.problem.initial.object_poses, opening=opening)
     goals = parts.kinematics.inverse(T_world_tool, rng, count=16)
     path = parts.arm_planner.plan(home, goals[world.free(goals)], world, rng).path
-    still = Trajectory(np.array([0.0, 0.5]), np.stack([home, home]))
-    timed = time_path(path, parts.robot.velocity, scale=0.5)
+    gripper = parts.robot.gripper
+    still = Trajectory.still(home, gripper_seconds(gripper, gripper.closed, opening))
+    timed = time_path(path, parts.robot.limits, scale=0.5)
     segments = (
         MotionSegment(SegmentKind.GRIPPER, still, opening, contact_free=True),
         MotionSegment(SegmentKind.TRANSIT, timed, opening, contact_free=True),

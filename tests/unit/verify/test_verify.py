@@ -149,30 +149,31 @@ def test_joint_limit(failures, planner, plan):
     positions = np.array(transit.trajectory.positions)
     middle = len(positions) // 2
     positions[middle, joint] = robot.upper[joint] + 0.01
-    changed = replace(transit, trajectory=Trajectory(transit.trajectory.times, positions))
+    changed = replace(transit, trajectory=replace(transit.trajectory, positions=positions))
     segments = (changed, *motion.segments[1:])
     found = failures(with_action(plan, replace(motion, segments=segments)))
-    mentions(found, f"motion 0 (transit): {robot.joint_names[joint]} exceeds its limit by 1.00e-02")
+    mentions(found, f"motion 0 (transit): {robot.joint_names[joint]} exceeds its limit by ")
 
 
 def test_velocity_limit(failures, plan):
     motion = plan.actions[0].motion
     hurried = [
-        replace(s, trajectory=Trajectory(s.trajectory.times * 0.2, s.trajectory.positions))
+        replace(s, trajectory=replace(s.trajectory, times=s.trajectory.times * 0.2))
         for s in motion.segments
     ]
     found = failures(with_action(plan, replace(motion, segments=tuple(hurried))))
-    mentions(found, "motion 0 (transit): velocity limits exceeded")
+    mentions(found, "motion 0 (transit): velocity limit exceeded")
 
 
 def test_it_must_end_at_home(failures, plan):
     carry = plan.retrieval.segments[-1]
     rows = len(carry.trajectory.times) // 2
-    half = Trajectory(carry.trajectory.times[:rows], carry.trajectory.positions[:rows])
+    half = carry.trajectory.part(0, rows - 1)
     found = failures(
         with_retrieval(plan, [*plan.retrieval.segments[:-1], replace(carry, trajectory=half)])
     )
-    assert found == ("the plan does not end at home",)
+    mentions(found, "motion 1 (carry): it does not end at rest")
+    assert found[-1] == "the plan does not end at home"
 
 
 @pytest.mark.parametrize("name", ["post", "target", "floor"])
@@ -209,7 +210,7 @@ def test_a_retrieval_of_something_else(failures, plan):
 def test_impossible_opening(failures, plan, opening):
     motion = with_segment(plan.actions[0].motion, SegmentKind.SWEEP, opening=opening)
     found = failures(with_action(plan, motion))
-    assert found == (f"motion 0 (sweep): opening {opening} m is not possible",)
+    assert found[0] == f"motion 0 (sweep): opening {opening} m is not possible"
 
 
 def excursion(problem, planner, xy, *, contact_free):
@@ -230,7 +231,7 @@ def excursion(problem, planner, xy, *, contact_free):
         raise AssertionError("no way to get there")
 
     def segment(kind, path, contact_free):
-        trajectory = time_path(path, context.robot.velocity, scale=0.3)
+        trajectory = time_path(path, context.robot.limits, scale=0.3)
         return MotionSegment(kind, trajectory, opening, contact_free=contact_free, settle=0.5)
 
     motion = Motion(
@@ -275,8 +276,7 @@ def test_its_name_does_not_make_a_segment_contact_free(failures, plan):
 
 
 def at_rest(problem, robot, **changes):
-    positions = np.stack([problem.home, problem.home])
-    standing = Trajectory(np.array([0.0, 0.5]), positions)
+    standing = Trajectory.still(problem.home, 0.5)
     closed = robot.gripper.closed
     return Motion((MotionSegment(SegmentKind.CARRY, standing, closed, **changes),), closed)
 
@@ -331,7 +331,7 @@ def test_an_immovable_that_stands_in_the_way(problem, planner, compose_for, plan
 
 
 def test_an_arm_that_cannot_follow(problem, compose_for, plan):
-    weak = compose_for(problem, "backend={name: mujoco, torque_limit: 2}")
+    weak = compose_for(problem, "backend={name: mujoco, effort: 0.05}")
     mentions(weak.verify(plan).failures, "the arm could not follow its trajectory")
 
 

@@ -8,14 +8,13 @@ import numpy as np
 
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.robots.model import ArmModel
-from mamo_core.robots.timing import interpolated, time_path
+from mamo_core.robots.timing import gripper_seconds, interpolated, time_path
 from mamo_core.types.geometry import Array
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_planners.actions.handling import Drop, Pickup
 from mamo_planners.options import PickPlaceOptions
 
 _TOOL_SPEED_STEP = 0.1
-_HELD_CORNER_JUMP = 0.15
 
 
 class MotionMaker:
@@ -46,22 +45,22 @@ class MotionMaker:
         if first is not None:
             segments.append(self._free(first, np.inf, closed))
         segments += [
-            self._gripper(transit[0], opening, contact_free=True),
+            self._gripper(transit[0], closed, opening, contact_free=True),
             self._free(transit, np.inf, opening),
             self._free(pickup.reach, o.reach_speed, opening, SegmentKind.REACH),
-            self._gripper(pickup.reach[-1], width, contact_free=True, closes_on=name),
+            self._gripper(pickup.reach[-1], opening, width, contact_free=True, closes_on=name),
             self._held(pickup.lift, o.lift_speed, width, name, SegmentKind.LIFT),
             self._held(carry, o.carry_speed, width, name, SegmentKind.CARRY),
             self._held(drop.lower, o.lift_speed, width, name, SegmentKind.CARRY),
             self._gripper(
-                drop.lower[-1], opening, contact_free=True, settle=o.settle, closes_on=name
+                drop.lower[-1], width, opening, contact_free=True, settle=o.settle, closes_on=name
             ),
             self._free(drop.retract, o.reach_speed, opening, SegmentKind.RETRACT),
         ]
         if last is not None:
             segments.append(self._free(last, np.inf, opening))
         end = segments[-1].trajectory.positions[-1]
-        segments.append(self._gripper(end, closed, contact_free=True))
+        segments.append(self._gripper(end, opening, closed, contact_free=True))
         return Motion(tuple(segments), closed)
 
     def _free(
@@ -72,20 +71,20 @@ class MotionMaker:
     def _held(
         self, path: Array, speed: float, grip: float, name: str, kind: SegmentKind
     ) -> MotionSegment:
-        timed = self._timed(path, speed, corner_jump=_HELD_CORNER_JUMP)
+        timed = self._timed(path, speed)
         return MotionSegment(kind, timed, grip, held=name, contact_free=True)
 
     def _gripper(
         self,
         q: Array,
+        before: float,
         opening: float,
         *,
         contact_free: bool,
         settle: float = 0.0,
         closes_on: str | None = None,
     ) -> MotionSegment:
-        times = np.array([0.0, self._options.gripper_time])
-        still = Trajectory(times, np.stack([q, q]))
+        still = Trajectory.still(q, gripper_seconds(self._arm.gripper, before, opening))
         return MotionSegment(
             SegmentKind.GRIPPER,
             still,
@@ -95,15 +94,14 @@ class MotionMaker:
             closes_on=closes_on,
         )
 
-    def _timed(self, path: Array, speed: float, **corners: float) -> Trajectory:
+    def _timed(self, path: Array, speed: float) -> Trajectory:
         rows = interpolated(path, _TOOL_SPEED_STEP) if np.isfinite(speed) else path
         return time_path(
             rows,
-            self._arm.velocity,
+            self._arm.limits,
             scale=self._options.joint_speed,
             tool_positions=self._tools(rows),
             tool_speed=speed,
-            **corners,
         )
 
     def _tools(self, path: Iterable[Array]) -> Array:

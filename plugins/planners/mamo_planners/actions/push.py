@@ -289,7 +289,7 @@ class Push(ActionGenerator):
     def _action(
         self, name: str, approach: Array, start: _Start, goal: Array
     ) -> RearrangementAction:
-        options, opening, limits = self._options, self._opening, self._arm.velocity
+        options, opening, limits = self._options, self._opening, self._arm.limits
         tools = np.array([self._kinematics.forward(q)[:3, 3] for q in start.sweep])
         sweep = time_path(
             start.sweep,

@@ -9,6 +9,7 @@ import numpy as np
 
 from mamo_core.interfaces.collision_checker import CollisionWorld
 from mamo_core.interfaces.kinematics import Kinematics
+from mamo_core.robots.model import ArmModel
 from mamo_core.types.geometry import Array
 from mamo_planners.reaching.distance_field import DistanceField
 from mamo_planners.reaching.goals import Goal, Goals
@@ -42,6 +43,7 @@ class Primitives:
 
     def __init__(
         self,
+        arm: ArmModel,
         kinematics: Kinematics,
         goals: Goals,
         fixed: CollisionWorld,
@@ -50,7 +52,7 @@ class Primitives:
         promising: Promising,
         delta: float,
     ) -> None:
-        self._kinematics, self._goals = kinematics, goals
+        self._arm, self._kinematics, self._goals = arm, kinematics, goals
         self._fixed, self._everything = fixed, everything
         self._field, self._promising, self.delta = field, promising, delta
         """``delta``: how close to a goal primitives begin, m."""
@@ -88,7 +90,7 @@ class Primitives:
         path = model.path
         middle = path[1] if len(path) > 2 else path[0] + rng.random() * (path[1] - path[0])
         start, middle = (q + rng.normal(scale=_VARIATION, size=q.shape) for q in (path[0], middle))
-        start = rounded(start)
+        start, middle = rounded(start), np.clip(middle, self._arm.lower, self._arm.upper)
         if not self._may_begin(start):
             return None
         goal = model.goal if _chance(_SAME_GOAL, rng) else self._goals.near(middle, rng)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from mamo_core.interfaces.kinematics import Kinematics
 from mamo_core.robots.model import ArmModel
-from mamo_core.robots.timing import time_path
+from mamo_core.robots.timing import gripper_seconds, time_path
 from mamo_core.types.geometry import Array
 from mamo_core.types.motion import MotionSegment, SegmentKind, Trajectory
 from mamo_planners.reaching.options import MotionOptions
-from mamo_planners.tool_timing import GRIPPER_TIME, timed_for_tool
+from mamo_planners.tool_timing import timed_for_tool
 
 
 class Motions:
@@ -23,13 +21,14 @@ class Motions:
         self._opening = opening
 
     def opened(self, q: Array) -> MotionSegment:
-        """The hand opens, the arm at ``q`` (dof,)."""
-        still = Trajectory(np.array([0.0, GRIPPER_TIME]), np.stack([q, q]))
+        """The closed hand opens, the arm at ``q`` (dof,)."""
+        gripper = self._arm.gripper
+        still = Trajectory.still(q, gripper_seconds(gripper, gripper.closed, self._opening))
         return MotionSegment(SegmentKind.GRIPPER, still, self._opening, contact_free=True)
 
     def transit(self, path: Array) -> MotionSegment:
         """A path (k, dof) on which the arm touches nothing."""
-        timed = time_path(path, self._arm.velocity, scale=self._options.joint_speed)
+        timed = time_path(path, self._arm.limits, scale=self._options.joint_speed)
         return MotionSegment(SegmentKind.TRANSIT, timed, self._opening, contact_free=True)
 
     def sweep(self, path: Array) -> MotionSegment:

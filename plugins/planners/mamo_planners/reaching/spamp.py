@@ -81,6 +81,7 @@ class Run:
         self.executions = Executions(parts, statistics, budget)
         self.promising = Promising()
         self.primitives = Primitives(
+            parts.arm,
             parts.kinematics,
             scenery.goals,
             scenery.fixed,

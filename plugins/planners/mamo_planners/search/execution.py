@@ -179,7 +179,7 @@ class Execution:
         return plan.path
 
     def _transit(self, path: Array, opening: float) -> MotionSegment:
-        timed = time_path(path, self._arm.velocity, scale=_TRANSIT_SPEED)
+        timed = time_path(path, self._arm.limits, scale=_TRANSIT_SPEED)
         return MotionSegment(SegmentKind.TRANSIT, timed, opening, contact_free=True)
 
     def keeps_clear(self, motion: Motion, state: SceneState, names: Collection[str]) -> bool:

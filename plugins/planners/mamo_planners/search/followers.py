@@ -12,7 +12,7 @@ import numpy as np
 from mamo_core.interfaces.collision_checker import CollisionChecker
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import Array
-from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
+from mamo_core.types.motion import Motion, MotionSegment, SegmentKind
 from mamo_core.types.rollout import RolloutResult
 from mamo_core.types.scene import SceneState
 from mamo_core.types.solution import Statistics
@@ -125,8 +125,8 @@ class Samples:
         end = int(np.searchsorted(times, (times[blocked[-1]] if len(blocked) else 0.0) + _FARTHER))
         if end >= len(way) - 1:
             return motion, None
-        cut = Trajectory(times[: end + 1], way[: end + 1])
-        segments = (*motion.segments[:-1], replace(last, trajectory=cut))
+        cut = replace(last, trajectory=last.trajectory.part(0, end))
+        segments = (*motion.segments[:-1], cut)
         return Motion(segments, motion.opening), way[end:]
 
     def _free_after(self, result: RolloutResult, motion: Motion, rest: Array) -> bool:

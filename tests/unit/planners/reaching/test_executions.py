@@ -176,7 +176,8 @@ def test_else_it_goes_back_the_way_it_came(reaching):
     assert positions[0] == pytest.approx(lift.trajectory.positions[-1])
     assert positions[-1] == pytest.approx(HOME)
     for station in WAY:
-        assert np.abs(positions - station).max(axis=1).min() < 1e-9
+        # Corners are blended, and rows are a few millimetres apart.
+        assert np.abs(positions - station).max(axis=1).min() < 5e-3
 
 
 def test_at_a_candidate_the_plan_goes_on_until_the_target_is_at_home(reaching):

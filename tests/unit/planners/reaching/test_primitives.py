@@ -34,7 +34,7 @@ def primitives_of(reaching):
         seen = look_at(parts, goals, LatticeOptions())
         worlds = seen.fixed, seen.everything
         varied = promising or Promising()
-        return Primitives(parts.kinematics, goals, *worlds, seen.field, varied, delta)
+        return Primitives(parts.arm, parts.kinematics, goals, *worlds, seen.field, varied, delta)
 
     return make
 

@@ -148,6 +148,6 @@ class MyAction(ActionGenerator):
     def _segment(
         self, kind: SegmentKind, path: Array, *, contact_free: bool = False, settle: float = 0.0
     ) -> MotionSegment:
-        trajectory = time_path(path, self.robot.velocity, scale=self.options.speed)
+        trajectory = time_path(path, self.robot.limits, scale=self.options.speed)
         opening = self.robot.gripper.closed
         return MotionSegment(kind, trajectory, opening, None, contact_free, settle)

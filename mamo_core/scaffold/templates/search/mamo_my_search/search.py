@@ -204,7 +204,7 @@ class _Descent:
         path = parts.arm_planner.plan(here, home[None], world, self.rng).path
         if path is None:
             return None
-        timed = time_path(path, parts.robot.velocity, scale=parts.options.speed)
+        timed = time_path(path, parts.robot.limits, scale=parts.options.speed)
         return (MotionSegment(SegmentKind.TRANSIT, timed, closed, contact_free=True),)
 
     def _count_retrieval(self, causes: Mapping[str, int]) -> None:
