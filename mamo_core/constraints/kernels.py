@@ -19,11 +19,13 @@ def within(
     bounds: Array,
     forbidden: BoolArray,
     deepest: float,
+    gripped: int,
 ) -> bool:
     """Whether a step is within some limits.
 
     ``bounds`` (n, 6), of each object: lowest height, axis, least cosine, largest square of the
-    speed. ``forbidden`` (e, e). ``deepest``: m. The rest is as in ``StepObservation``.
+    speed. ``forbidden`` (e, e). ``deepest``: m; ``gripped``: entity that the hand may press harder,
+    or -1. The rest is as in ``StepObservation``.
     """
     for i in range(positions.shape[0]):
         if bounds[i, 0] - positions[i, 2] > 0.0:
@@ -35,7 +37,9 @@ def within(
         if cosine < bounds[i, 4] or square > bounds[i, 5]:
             return False
     for n in range(contacts.shape[0]):
-        if forbidden[contacts[n, 0], contacts[n, 1]] or depths[n] > deepest:
+        first, second = contacts[n, 0], contacts[n, 1]
+        pressed = depths[n] > deepest and not (first == 0 and second == gripped)
+        if forbidden[first, second] or pressed:
             return False
     return True
 
@@ -54,7 +58,7 @@ def warm_up() -> None:
     rows, bounds = np.zeros((2, 3)), np.zeros((2, 6))
     forbidden = np.zeros((1, 1), dtype=np.bool_)
     for positions in (rows, np.zeros((2, 7))[:, :3]):
-        within(positions, rows, rows, NO_CONTACTS, NO_DEPTHS, bounds, forbidden, 0.0)
+        within(positions, rows, rows, NO_CONTACTS, NO_DEPTHS, bounds, forbidden, 0.0, -1)
     writable, frozen = np.zeros(1), np.zeros(1)
     frozen.flags.writeable = False
     largest_gap(writable, writable)

@@ -32,14 +32,14 @@ class ConstraintMonitor:
         self._active: frozenset[tuple[str, str, str | None]] = frozenset()
         self.violations: list[Violation] = []
 
-    def limits(self, held: int) -> tuple[Array, BoolArray, float] | None:
+    def limits(self, held: int) -> tuple[Array, BoolArray, float, int] | None:
         """What ``within`` takes: no step within these has to be seen.
 
         None if somebody wants to see all.
         """
         if self._others or not self._limited:
             return None
-        return self._bounds, self._forbidden[1 + held], self._deepest
+        return self._bounds, self._forbidden[1 + held], self._deepest, _entity(held)
 
     def passed(self) -> None:
         """At least one step within the limits was not shown: nothing is broken any more."""
@@ -49,7 +49,7 @@ class ConstraintMonitor:
         """Take one step in; True if anything new is broken."""
         harmless = not self._limited or within(
             *(step.positions, step.z_axes, step.velocities, step.contacts, step.depths),
-            *(self._bounds, self._forbidden[1 + step.held], self._deepest),
+            *(self._bounds, self._forbidden[1 + step.held], self._deepest, _entity(step.held)),
         )
         asked = self._others if harmless else self._constraints
         if not asked and not self._active:
@@ -61,6 +61,11 @@ class ConstraintMonitor:
         self._active = frozenset((v.constraint, v.subject, v.other) for v in found)
         self.violations.extend(fresh)
         return bool(fresh)
+
+
+def _entity(held: int) -> int:
+    """Number of the object in the hand among all entities, or -1."""
+    return 1 + held if held >= 0 else -1
 
 
 def _laid_out(limits: Limits) -> tuple[Array, list[BoolArray]]:

@@ -132,7 +132,10 @@ class BoundsConstraint(LimitedConstraint):
 
 
 class PenetrationConstraint(LimitedConstraint):
-    """Nothing reaches farther than ``limit`` into something else: contacts of engines are soft."""
+    """Nothing reaches farther than ``limit`` into something else: contacts of engines are soft.
+
+    The hand may press what is in it: how hard, the gripper's force says.
+    """
 
     name = "penetration"
 
@@ -144,7 +147,8 @@ class PenetrationConstraint(LimitedConstraint):
     def violations(self, step: StepObservation) -> list[Violation]:
         deepest: dict[tuple[int, int], float] = {}
         for (a, b), depth in zip(step.contacts.tolist(), step.depths.tolist(), strict=True):
-            if depth > self._limit:
+            gripped = a == ROBOT and b == 1 + step.held
+            if depth > self._limit and not gripped:
                 deepest[a, b] = max(depth, deepest.get((a, b), 0.0))
         return [
             Violation(

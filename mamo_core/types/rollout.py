@@ -37,8 +37,9 @@ class Watch(NamedTuple):
     """Which steps nobody has to look at; a world that passes over some notes what touched in them.
 
     After such a step everything is ``within`` (``mamo_core.constraints.kernels``) ``bounds`` (n, 6)
-    and ``forbidden`` (e, e), nothing reaches deeper than ``deepest`` (m) into something else, and
-    no joint is more than ``lag`` (rad) from where it should be.
+    and ``forbidden`` (e, e), nothing reaches deeper than ``deepest`` (m) into something else, apart
+    from the hand into the entity ``gripped``, and no joint is more than ``lag`` (rad) from where it
+    should be.
     ``touched`` (e, e): gets True at the pairs, in ascending order, that touch. A tuple, which
     compiled code can take.
     """
@@ -46,6 +47,7 @@ class Watch(NamedTuple):
     bounds: Array
     forbidden: BoolArray
     deepest: float
+    gripped: int
     lag: float
     touched: BoolArray
 

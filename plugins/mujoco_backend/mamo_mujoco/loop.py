@@ -104,7 +104,7 @@ def _harmless_step(
         watch.touched[pairs[n, 0], pairs[n, 1]] = True
     observe(memory.xpos, memory.xmat, memory.qvel, places.objects, seen)
     depths = -memory.contact_distances[: memory.contact_count[0]]
-    limits = (watch.bounds, watch.forbidden, watch.deepest)
+    limits = (watch.bounds, watch.forbidden, watch.deepest, watch.gripped)
     if not within(seen[0], seen[1], seen[2], pairs, depths, *limits):
         return False
     return largest_gap(memory.qpos[places.arm_qpos], reference) <= watch.lag
@@ -118,7 +118,7 @@ def warm_up() -> None:
     memory = Memory(0, 0, flat, flat, flat, rows, rows, count, geoms, distances)
     places = Places(one, one, pairs, one)
     table = np.zeros((1, 1), dtype=np.bool_)
-    watch, seen = Watch(np.zeros((1, 6)), table, 0.0, 0.0, table), np.zeros((3, 1, 3))
+    watch, seen = Watch(np.zeros((1, 6)), table, 0.0, -1, 0.0, table), np.zeros((3, 1, 3))
     follow(memory, places, watch, seen, rows[:0], rows[:0], flat[:0], 0.0)
     frozen = np.zeros(1)  # as trajectories are
     frozen.flags.writeable = False
