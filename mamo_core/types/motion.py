@@ -180,7 +180,9 @@ class Motion:
         ends = [
             number
             for number, segment in enumerate(rest.segments, start=1)
-            if not segment.contact_free or segment.kind is SegmentKind.LIFT
+            if not segment.contact_free
+            or segment.closes_on is not None
+            or segment.kind is SegmentKind.LIFT
         ]
         end = ends[-1] if ends else len(rest.segments)
         touching = Motion(rest.segments[:end], rest.opening)
