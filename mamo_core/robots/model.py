@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mamo_core.robots.distance_field import DistanceField
 from mamo_core.types.geometry import Array, frozen_array
 
 
@@ -72,23 +73,28 @@ class GripperModel:
 
 
 @dataclass(frozen=True, eq=False)
-class BodyBox:
-    """A part of the robot's own body the arm must not hit: oriented box in the base frame.
+class BodyPart:
+    """A part of the robot that never moves: torso, head, another arm, what carries the arm.
 
-    ``first_link``: the first link number that is checked against it; earlier ones are neighbours.
+    ``hulls`` (OBJ): convex pieces that the engines use; ``meshes`` (STL): the exact surfaces; both
+    in the base frame, metres.
     """
 
     name: str
-    T_base_box: Array
-    size: Array
-    first_link: int
+    hulls: tuple[Path, ...]
+    meshes: tuple[Path, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class ArmModel:
-    """An arm with a gripper.
+    """An arm with a gripper, and the rest of the robot that carries it.
 
     Joint arrays are (dof,): rad, rad/s, rad/s^2, rad/s^3 and N m (or m and N where a joint slides).
+
+    Parts of the robot have numbers: ``links`` first, then ``body``. ``self_pairs``: pairs that can
+    touch and must not, each a link and a link before it, or a link and a body part.
+    ``hull_pairs``: those of them whose hulls stand for the meshes, which engines look at.
+    ``fields``: distances to the surfaces, for the planners' check of the same pairs.
     """
 
     name: str
@@ -104,13 +110,21 @@ class ArmModel:
     T_link_tool: Array
     gripper: GripperModel
     home: Array
-    body: tuple[BodyBox, ...]
+    body: tuple[BodyPart, ...]
     urdf: Path
+    self_pairs: tuple[tuple[int, int], ...] = ()
+    hull_pairs: tuple[tuple[int, int], ...] = ()
+    fields: tuple[DistanceField, ...] = ()
 
     @property
     def dof(self) -> int:
         """Number of arm joints."""
         return len(self.joint_names)
+
+    @property
+    def part_names(self) -> tuple[str, ...]:
+        """Names by number of a part: of the links, then of the body."""
+        return (*(link.name for link in self.links), *(part.name for part in self.body))
 
     @property
     def around_home(self) -> tuple[Array, Array]:

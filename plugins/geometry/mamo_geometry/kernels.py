@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from mamo_core.robots.distance_field import CELL, PAD, STEP
 from mamo_core.types.geometry import Array, BoolArray, IntArray
-from mamo_geometry.arrays import ChainArrays, SphereArrays, WorldArrays
+from mamo_geometry.arrays import ChainArrays, FieldArrays, SphereArrays, WorldArrays
 
 # Small functions are inlined by force: a call would copy the descriptors of all arrays.
 
@@ -110,15 +111,9 @@ def _near(w: WorldArrays, k: int, x: float, y: float, z: float, r: float) -> boo
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
-def _shortlist(
-    w: WorldArrays, link: int, x: float, y: float, z: float, r: float, near: IntArray
-) -> int:
-    """Primitives that a ball of link ``link`` reaches, into ``near``; returns their number."""
+def _shortlist(w: WorldArrays, x: float, y: float, z: float, r: float, near: IntArray) -> int:
+    """Primitives that a ball reaches, into ``near``; returns their number."""
     count = 0
-    for k in range(w.body):
-        if link >= w.first_link[k] and _near(w, k, x, y, z, r):
-            near[count] = k
-            count += 1
     if (
         x + r < w.lower[0]
         or x - r > w.upper[0]
@@ -128,7 +123,7 @@ def _shortlist(
         or z - r > w.upper[2]
     ):
         return count
-    for k in range(w.body, w.centre.shape[0]):
+    for k in range(w.centre.shape[0]):
         if _near(w, k, x, y, z, r):
             near[count] = k
             count += 1
@@ -162,6 +157,66 @@ def _cluster_hits(
     return False
 
 
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
+def _reaches(
+    f: FieldArrays, k: int, x: float, y: float, z: float, r: float, R: Array, p: Array
+) -> bool:
+    """Whether a ball in the world may reach the surface of field ``k``."""
+    j = f.frame[k]
+    if j < 0:
+        dx, dy, dz = x - f.p_base[0], y - f.p_base[1], z - f.p_base[2]
+        lx = f.R_base[0, 0] * dx + f.R_base[1, 0] * dy + f.R_base[2, 0] * dz
+        ly = f.R_base[0, 1] * dx + f.R_base[1, 1] * dy + f.R_base[2, 1] * dz
+        lz = f.R_base[0, 2] * dx + f.R_base[1, 2] * dy + f.R_base[2, 2] * dz
+    else:
+        dx, dy, dz = x - p[j, 0], y - p[j, 1], z - p[j, 2]
+        lx = R[j, 0, 0] * dx + R[j, 1, 0] * dy + R[j, 2, 0] * dz
+        ly = R[j, 0, 1] * dx + R[j, 1, 1] * dy + R[j, 2, 1] * dz
+        lz = R[j, 0, 2] * dx + R[j, 1, 2] * dy + R[j, 2, 2] * dz
+    ox = max(f.low[k, 0] - lx, lx - f.high[k, 0], 0.0)
+    oy = max(f.low[k, 1] - ly, ly - f.high[k, 1], 0.0)
+    oz = max(f.low[k, 2] - lz, lz - f.high[k, 2], 0.0)
+    if ox * ox + oy * oy + oz * oz >= r * r:
+        return False
+    nx = int(np.floor((lx - f.origin[k, 0]) * (1.0 / CELL)))
+    ny = int(np.floor((ly - f.origin[k, 1]) * (1.0 / CELL)))
+    nz = int(np.floor((lz - f.origin[k, 2]) * (1.0 / CELL)))
+    if (
+        nx < 0
+        or ny < 0
+        or nz < 0
+        or nx >= f.counts[k, 0]
+        or ny >= f.counts[k, 1]
+        or nz >= f.counts[k, 2]
+    ):
+        return r > PAD
+    at = f.start[k] + (nx * f.counts[k, 1] + ny) * f.counts[k, 2] + nz
+    return f.cells[at] * STEP < r
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _meets_itself(f: FieldArrays, s: SphereArrays, R: Array, p: Array) -> bool:
+    """Whether spheres of the arm, or of what it holds, reach something of the robot's own."""
+    last = R.shape[0] - 1
+    for n in range(f.checks.shape[0]):
+        g, k = f.checks[n, 0], f.checks[n, 1]
+        if s.group_start[g] == s.group_start[g + 1]:
+            continue
+        i = min(g, last)
+        x, y, z = _place(R, p, i, s.groups, g)
+        if not _reaches(f, k, x, y, z, s.groups[g, 3], R, p):
+            continue
+        for c in range(s.group_start[g], s.group_start[g + 1]):
+            x, y, z = _place(R, p, i, s.clusters, c)
+            if not _reaches(f, k, x, y, z, s.clusters[c, 3], R, p):
+                continue
+            for m in range(s.cluster_start[c], s.cluster_start[c + 1]):
+                x, y, z = _place(R, p, i, s.spheres, m)
+                if _reaches(f, k, x, y, z, s.spheres[m, 3], R, p):
+                    return True
+    return False
+
+
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def is_free(
     chain: ChainArrays,
@@ -183,13 +238,13 @@ def is_free(
     for back in range(q.shape[0] - w.active_from):
         i = last - back
         x, y, z = _place(R, p, i, s.links, i)
-        count = _shortlist(w, i, x, y, z, s.links[i, 3] + w.margin, near)
+        count = _shortlist(w, x, y, z, s.links[i, 3] + w.margin, near)
         if count == 0:
             continue
         for c in range(s.link_start[i], s.link_start[i + 1]):
             if _cluster_hits(s, w, R, p, i, c, near, count):
                 return False
-    return True
+    return not _meets_itself(chain.fields, s, R, p)
 
 
 @njit(cache=True, error_model="numpy")
@@ -219,7 +274,7 @@ def hands_free(s: SphereArrays, w: WorldArrays, last_link_frames: Array) -> Bool
             for j in range(3):
                 R[last, i, j] = last_link_frames[n, i, j]
         x, y, z = _place(R, p, last, s.links, last)
-        count = _shortlist(w, last, x, y, z, s.links[last, 3] + w.margin, near)
+        count = _shortlist(w, x, y, z, s.links[last, 3] + w.margin, near)
         for c in range(s.link_start[last], s.link_start[last + 1]):
             if _cluster_hits(s, w, R, p, last, c, near, count):
                 result[n] = False
