@@ -12,6 +12,7 @@ import numpy as np
 
 from mamo_core.robots.distance_field import DistanceField, measure_field
 from mamo_core.robots.model import ArmModel, BodyPart, LinkModel
+from mamo_core.robots.pair_table import measure_table
 from mamo_core.robots.self_pairs import PairFacts, Solid, measure_pairs
 from mamo_core.types.geometry import Array
 
@@ -72,11 +73,15 @@ def with_self_collision(arm: ArmModel, mount: str) -> ArmModel:
     """The arm with its pairs and fields; ``mount``: the body part the arm begins at."""
     solids = [_solid(part) for part in (*arm.links, *arm.body)]
     facts = measure_pairs(arm, solids, [mount])
+    close = [f for f in facts if f.checked and f.tabled and f.other < len(arm.links)]
+    tables = tuple(measure_table(arm, f.one, f.other, solids) for f in close)
+    open_facts = [f for f in facts if f not in close]
     return replace(
         arm,
         self_pairs=tuple((f.one, f.other) for f in facts if f.checked),
         hull_pairs=tuple((f.one, f.other) for f in facts if f.for_engines),
-        fields=(*_body_fields(arm, solids, facts), *_link_fields(arm, solids, facts)),
+        fields=(*_body_fields(arm, solids, open_facts), *_link_fields(arm, solids, open_facts)),
+        tables=tables,
     )
 
 

@@ -18,6 +18,7 @@ from mamo_core.errors import InputError, suggestion
 from mamo_core.robots import build, spheres
 from mamo_core.robots.distance_field import read_fields, write_fields
 from mamo_core.robots.model import ArmModel, BodyPart, GripperModel, LinkModel
+from mamo_core.robots.pair_table import read_tables, write_tables
 from mamo_core.robots.specs import SPECS, ArmSpec, robot_data_folder
 
 
@@ -51,7 +52,7 @@ def _content_hash(spec: ArmSpec) -> str:
     source = robot_data_folder() / Path(spec.urdf).parts[0]
     files = [robot_data_folder() / spec.urdf, *sorted(source.glob("meshes/**/*.stl"))]
     code = Path(build.__file__).parent
-    names = "body build distance_field kinematics model self_pairs specs urdf".split()
+    names = "body build distance_field kinematics model pair_table self_pairs specs urdf".split()
     files += [code / f"{name}.py" for name in names]
     files.append(Path(spheres.__file__))
     for file in files:
@@ -68,7 +69,9 @@ def _build_into(spec: ArmSpec, folder: Path) -> None:
         text = (work / "arm.urdf").read_text().replace(str(work), str(folder))
         (work / "arm.urdf").write_text(text)
         write_fields(arm.fields, work / "fields.npz")
-        (work / "arm.json").write_text(json.dumps(_encode(replace(arm, fields=()))))
+        write_tables(arm.tables, work / "tables.npz")
+        bare = replace(arm, fields=(), tables=())
+        (work / "arm.json").write_text(json.dumps(_encode(bare)))
         _put_in_place(work, folder)
     finally:
         shutil.rmtree(work, ignore_errors=True)
@@ -124,6 +127,7 @@ def _read(folder: Path) -> ArmModel:
         self_pairs=_pairs(data["self_pairs"]),
         hull_pairs=_pairs(data["hull_pairs"]),
         fields=read_fields(folder / "fields.npz"),
+        tables=read_tables(folder / "tables.npz"),
     )
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from mamo_core.robots.distance_field import DistanceField
+from mamo_core.robots.pair_table import PairTable
 from mamo_core.types.geometry import Array, frozen_array
 
 
@@ -94,7 +95,8 @@ class ArmModel:
     Parts of the robot have numbers: ``links`` first, then ``body``. ``self_pairs``: pairs that can
     touch and must not, each a link and a link before it, or a link and a body part.
     ``hull_pairs``: those of them whose hulls stand for the meshes, which engines look at.
-    ``fields``: distances to the surfaces, for the planners' check of the same pairs.
+    ``fields``: distances to the surfaces, for the planners' check of the same pairs, but for those
+    of two joints that have ``tables``.
     """
 
     name: str
@@ -115,6 +117,7 @@ class ArmModel:
     self_pairs: tuple[tuple[int, int], ...] = ()
     hull_pairs: tuple[tuple[int, int], ...] = ()
     fields: tuple[DistanceField, ...] = ()
+    tables: tuple[PairTable, ...] = ()
 
     @property
     def dof(self) -> int:

@@ -48,7 +48,7 @@ class PairFacts:
     """What was measured of a pair ``one`` > ``other`` or of a link ``one`` and a body part.
 
     ``touch``: share of samples in which the meshes do; ``alarms``: in which only the hulls do;
-    ``apart``: smallest distance found, m. ``joints``: so many are between them. ``adjacent``: one
+    ``apart``: smallest distance found, m. ``joints``: so many of the arm's are between them. ``adjacent``: one
     joint, or both are the hand's.
     """
 
@@ -59,12 +59,19 @@ class PairFacts:
     alarms: float
     apart: float
     joints: int
+    finger: bool
 
     @property
     def checked(self) -> bool:
         """Whether they can touch and are not meant to."""
         near = 0.0 if self.joints <= 2 else NEVER
         return not self.adjacent and self.touch <= ALWAYS and self.apart <= near
+
+    @property
+    def tabled(self) -> bool:
+        """Whether two joints alone decide, of a link that is no finger: neighbours but one, so
+        near each other that covers would find them touching where they do not."""
+        return self.joints == 2 and not self.finger
 
     @property
     def for_engines(self) -> bool:
@@ -90,13 +97,16 @@ def measure_pairs(
             adjacent = _adjacent(arm, one, other, mounts)
             touch, alarms, apart = (1.0, 1.0, 0.0) if adjacent else samples.measure(one, other)
             joints = _depth(arm, one) - (_depth(arm, other) if other < links else 0)
-            facts.append(PairFacts(one, other, adjacent, touch, alarms, apart, joints))
+            finger = arm.links[one].coordinate < 0
+            facts.append(PairFacts(one, other, adjacent, touch, alarms, apart, joints, finger))
     return facts
 
 
 def _depth(arm: ArmModel, link: int) -> int:
-    """Number of joints from the base to a link."""
-    return 0 if link < 0 else 1 + _depth(arm, arm.links[link].parent)
+    """Number of the arm's joints from the base to a link."""
+    if link < 0:
+        return 0
+    return int(arm.links[link].coordinate >= 0) + _depth(arm, arm.links[link].parent)
 
 
 def _adjacent(arm: ArmModel, one: int, other: int, mounts: set[int]) -> bool:
@@ -112,7 +122,7 @@ class _Samples:
 
     def __init__(self, arm: ArmModel, solids: Sequence[Solid]) -> None:
         self._arm = arm
-        self._geometry = [_Geometry(solid) for solid in solids]
+        self._geometry = [Geometry(solid) for solid in solids]
         rng = np.random.default_rng(_SEED)
         # Beyond half a turn from home nothing new is found of a joint without end.
         low, high = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi)
@@ -169,7 +179,7 @@ class _Samples:
         return best
 
 
-class _Geometry:
+class Geometry:
     """The meshes and hulls of a part as trees, and a ball around them."""
 
     def __init__(self, solid: Solid) -> None:
@@ -182,14 +192,14 @@ class _Geometry:
         self.centre = (points.min(axis=0) + points.max(axis=0)) / 2.0
         self.radius = float(np.linalg.norm(points - self.centre, axis=1).max())
 
-    def meshes_touch(self, other: _Geometry, T: Array) -> bool:
+    def meshes_touch(self, other: Geometry, T: Array) -> bool:
         """Whether surfaces meet, self at ``T`` (4, 4) in the other's frame."""
         import fcl
 
         pairs = _placed_pairs(self._mesh_trees, other._mesh_trees, T)
         return any(fcl.collide(a, b) for a, b in pairs)
 
-    def hulls_touch(self, other: _Geometry, T: Array) -> bool:
+    def hulls_touch(self, other: Geometry, T: Array) -> bool:
         """The same of the hulls, which touch from within, too."""
         import fcl
 
@@ -203,7 +213,7 @@ class _Geometry:
             _within(corner, inverse, planes) for corner in other._corners for planes in self._planes
         )
 
-    def distance(self, other: _Geometry, T: Array) -> float:
+    def distance(self, other: Geometry, T: Array) -> float:
         """Between the surfaces, m; 0 where they meet."""
         import fcl
 

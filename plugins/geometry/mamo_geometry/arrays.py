@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy.typing as npt
 from mamo_core.robots.distance_field import DistanceField
 from mamo_core.robots.kinematics import finger_transforms
 from mamo_core.robots.model import ArmModel
+from mamo_core.robots.pair_table import PairTable
 from mamo_core.types.geometry import Array, Box, IntArray, Shape
 
 _CLUSTER_SIZE = 24
@@ -22,7 +24,9 @@ class FieldArrays(NamedTuple):
     ``checks`` (k, 2): group of spheres and number of the field it is checked against. ``low``,
     ``high`` (n, 3): bounds of the surfaces; ``origin`` (n, 3), ``counts`` (n, 3) and ``start``
     (n,): the grids, whose ``cells`` lie one after another. ``R_base`` (3, 3), ``p_base`` (3,): the
-    base in the world.
+    base in the world. ``tables`` (m, 5): two joints, numbers of their cells, and where the cells of
+    the table begin in ``blocked``; ``table_low``, ``table_scale`` (m, 2): its lowest positions, and
+    cells a radian.
     """
 
     checks: IntArray
@@ -35,6 +39,10 @@ class FieldArrays(NamedTuple):
     cells: npt.NDArray[np.uint8]
     R_base: Array
     p_base: Array
+    tables: IntArray
+    table_low: Array
+    table_scale: Array
+    blocked: npt.NDArray[np.bool_]
 
 
 class ChainArrays(NamedTuple):
@@ -157,6 +165,25 @@ def _field_arrays(arm: ArmModel, T_world_base: Array) -> FieldArrays:
         np.concatenate([*cells, np.zeros(1, dtype=np.uint8)]),
         np.ascontiguousarray(T_world_base[:3, :3]),
         np.array(T_world_base[:3, 3]),
+        *_table_arrays(arm.tables),
+    )
+
+
+def _table_arrays(
+    tables: Sequence[PairTable],
+) -> tuple[IntArray, Array, Array, npt.NDArray[np.bool_]]:
+    """What ``FieldArrays`` has of tables."""
+    sizes = [table.blocked.size for table in tables]
+    starts = np.cumsum([0, *sizes])
+    rows = [
+        (*table.joints, *table.blocked.shape, start)
+        for table, start in zip(tables, starts, strict=False)
+    ]
+    return (
+        np.array(rows, dtype=np.int64).reshape(-1, 5),
+        np.array([table.low for table in tables]).reshape(-1, 2),
+        np.array([1.0 / table.cell for table in tables]).reshape(-1, 2),
+        np.concatenate([*(table.blocked.ravel() for table in tables), np.zeros(1, dtype=np.bool_)]),
     )
 
 

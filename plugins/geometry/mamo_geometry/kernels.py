@@ -194,16 +194,27 @@ def _reaches(
     return f.cells[at] * STEP < r
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def _meets_itself(f: FieldArrays, s: SphereArrays, R: Array, p: Array) -> bool:
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
+def _meets_itself(f: FieldArrays, s: SphereArrays, q: Array, R: Array, p: Array) -> bool:
     """Whether spheres of the arm, or of what it holds, reach something of the robot's own."""
+    for n in range(f.tables.shape[0]):
+        a, b = f.tables[n, 0], f.tables[n, 1]
+        u = int((q[a] - f.table_low[n, 0]) * f.table_scale[n, 0])
+        v = int((q[b] - f.table_low[n, 1]) * f.table_scale[n, 1])
+        u = min(max(u, 0), f.tables[n, 2] - 1)
+        v = min(max(v, 0), f.tables[n, 3] - 1)
+        if f.blocked[f.tables[n, 4] + u * f.tables[n, 3] + v]:
+            return True
     last = R.shape[0] - 1
+    before, i, x0, y0, z0 = -1, 0, 0.0, 0.0, 0.0
     for n in range(f.checks.shape[0]):
         g, k = f.checks[n, 0], f.checks[n, 1]
         if s.group_start[g] == s.group_start[g + 1]:
             continue
-        i = min(g, last)
-        x, y, z = _place(R, p, i, s.groups, g)
+        if g != before:
+            before, i = g, min(g, last)
+            x0, y0, z0 = _place(R, p, i, s.groups, g)
+        x, y, z = x0, y0, z0
         if not _reaches(f, k, x, y, z, s.groups[g, 3], R, p):
             continue
         for c in range(s.group_start[g], s.group_start[g + 1]):
@@ -244,7 +255,7 @@ def is_free(
         for c in range(s.link_start[i], s.link_start[i + 1]):
             if _cluster_hits(s, w, R, p, i, c, near, count):
                 return False
-    return not _meets_itself(chain.fields, s, R, p)
+    return not _meets_itself(chain.fields, s, q, R, p)
 
 
 @njit(cache=True, error_model="numpy")
