@@ -17,12 +17,17 @@ from pathlib import Path
 import numpy as np
 from mamo_geometry.options import SphereCheckerOptions
 from mamo_geometry.sphere_checker import SphereChecker
+from mamo_mujoco.model import MuJoCoModel
+from mamo_mujoco.options import MuJoCoOptions
 
 from mamo_core.interfaces.collision_checker import CollisionWorld
+from mamo_core.interfaces.transition_model import RolloutOptions
+from mamo_core.plan_file import read_plan
 from mamo_core.robots import ArmModel, load_arm
 from mamo_core.robots.self_collision import SelfCollisions, check_self_collisions
 from mamo_core.robots.specs import SPECS
 from mamo_core.types.geometry import Array, Box, make_pose
+from mamo_core.types.motion import Motion
 from mamo_core.types.scene import Mobility, Scene, SceneObject, Workspace
 
 COUNT = 1_000
@@ -97,8 +102,25 @@ def speed(arm: ArmModel) -> float:
 
 
 def plan_collides(path: Path) -> bool:
-    """Print where a plan collides with itself, as its own replay has the objects."""
-    raise NotImplementedError
+    """Print where a plan collides with itself; the objects are where MuJoCo leaves them."""
+    document = read_plan(path)
+    problem, plan = document.problem, document.plan
+    robot = load_arm(problem.scene.robot)
+    model = MuJoCoModel(problem, robot, (), MuJoCoOptions())
+    segments = tuple(s for motion in plan.motions for s in motion.segments)
+    whole = Motion(segments, plan.motions[0].opening)
+    rollout = model.rollout(problem.initial, whole, options=RolloutOptions(stop_early=False))
+    before = plan.motions[0].opening
+    found = check_self_collisions(
+        problem.scene,
+        segments[: len(rollout.segment_states)],
+        rollout.segment_states,
+        robot,
+        before,
+    )
+    for text in found:
+        print(f"{path}: {text}")
+    return bool(found)
 
 
 if __name__ == "__main__":

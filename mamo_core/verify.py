@@ -62,7 +62,8 @@ def verify(
     Checked: form, joint limits, speeds and continuity of all trajectories; every interaction
     constraint at every step; contact-free segments against exact meshes, with the objects where
     the execution left them; all segments for collisions of the robot with itself; that the
-    fingers close on what they pick up to rearrange it; that the task is done: the target ends in the hand, at home, or the open hand at a pre-grasp.
+    fingers close on what they pick up to rearrange it; that the task is done: the target ends in
+    the hand, at home, or the open hand at a pre-grasp.
     """
     static = [*check_form(problem, plan), *check_trajectories(problem, plan, robot)]
     if static:

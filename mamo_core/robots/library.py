@@ -52,7 +52,17 @@ def _content_hash(spec: ArmSpec) -> str:
     source = robot_data_folder() / Path(spec.urdf).parts[0]
     files = [robot_data_folder() / spec.urdf, *sorted(source.glob("meshes/**/*.stl"))]
     code = Path(build.__file__).parent
-    names = "body build distance_field kinematics model pair_table self_pairs specs urdf".split()
+    names = [
+        "body",
+        "build",
+        "distance_field",
+        "kinematics",
+        "model",
+        "pair_table",
+        "self_pairs",
+        "specs",
+        "urdf",
+    ]
     files += [code / f"{name}.py" for name in names]
     files.append(Path(spheres.__file__))
     for file in files:

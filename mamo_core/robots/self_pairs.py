@@ -48,8 +48,8 @@ class PairFacts:
     """What was measured of a pair ``one`` > ``other`` or of a link ``one`` and a body part.
 
     ``touch``: share of samples in which the meshes do; ``alarms``: in which only the hulls do;
-    ``apart``: smallest distance found, m. ``joints``: so many of the arm's are between them. ``adjacent``: one
-    joint, or both are the hand's.
+    ``apart``: smallest distance found, m. ``joints``: so many of the arm's are between them.
+    ``adjacent``: one joint, or both are the hand's. ``finger``: ``one`` is a finger.
     """
 
     one: int

@@ -14,34 +14,39 @@ from mamo_core.robots.model import ArmModel
 from mamo_core.robots.pair_table import PairTable
 from mamo_core.types.geometry import Array, Box, IntArray, Shape
 
+UIntArray = npt.NDArray[np.uintp]
+
 _CLUSTER_SIZE = 24
 _HELD_CELL = 0.012
 
 
 class FieldArrays(NamedTuple):
-    """Distance fields of the robot, in its base (``frame`` -1) or in links (n,).
+    """Distance fields of the robot (n,), and what is checked against them.
 
-    ``checks`` (k, 2): group of spheres and number of the field it is checked against. ``low``,
-    ``high`` (n, 3): bounds of the surfaces; ``origin`` (n, 3), ``counts`` (n, 3) and ``start``
-    (n,): the grids, whose ``cells`` lie one after another. ``R_base`` (3, 3), ``p_base`` (3,): the
-    base in the world. ``tables`` (m, 5): two joints, numbers of their cells, and where the cells of
-    the table begin in ``blocked``; ``table_low``, ``table_scale`` (m, 2): its lowest positions, and
-    cells a radian.
+    ``checks`` (k, 4): group of spheres, the link it is in, number of the field, and the link that
+    has it (dof for the base); the first ``held`` are of what is held. ``low``, ``high`` (n, 3): bounds of the surfaces; ``origin``,
+    ``counts``, ``strides`` (n, 3) and ``start`` (n,): the grids, whose ``cells`` lie one after
+    another. ``R_base`` (3, 3), ``p_base`` (3,): the base in the world. ``tables`` (m, 4): two
+    joints, where the cells of the table begin in ``blocked``, and how many are in a row;
+    ``table_low``, ``table_scale``, ``table_last`` (m, 2): its lowest positions, cells a radian, and
+    numbers of the last cells.
     """
 
-    checks: IntArray
-    frame: IntArray
+    checks: UIntArray
+    held: int
     low: Array
     high: Array
     origin: Array
-    counts: IntArray
-    start: IntArray
+    counts: Array
+    strides: UIntArray
+    start: UIntArray
     cells: npt.NDArray[np.uint8]
     R_base: Array
     p_base: Array
-    tables: IntArray
+    tables: UIntArray
     table_low: Array
     table_scale: Array
+    table_last: Array
     blocked: npt.NDArray[np.bool_]
 
 
@@ -146,22 +151,26 @@ def chain_arrays(arm: ArmModel, T_world_base: Array) -> ChainArrays:
 def _field_arrays(arm: ArmModel, T_world_base: Array) -> FieldArrays:
     """The robot's distance fields with its base at ``T_world_base`` (4, 4)."""
     fields = arm.fields
+    frames = [arm.links[f.frame].coordinate if f.frame >= 0 else arm.dof for f in fields]
     checks = [
-        (group, number) for number, field in enumerate(fields) for group in _groups_of(arm, field)
+        (group, min(group, arm.dof - 1), number, frames[number])
+        for number, field in enumerate(fields)
+        for group in _groups_of(arm, field)
     ]
     counts = np.array([field.values.shape for field in fields], dtype=np.int64).reshape(-1, 3)
+    strides = np.column_stack([counts[:, 1] * counts[:, 2], counts[:, 2], np.ones(len(fields))])
     cells = [field.values.ravel() for field in fields]
     return FieldArrays(
         # What is farthest out is the likeliest to touch.
-        np.array(sorted(checks, reverse=True), dtype=np.int64).reshape(-1, 2),
-        np.array(
-            [arm.links[f.frame].coordinate if f.frame >= 0 else -1 for f in fields], dtype=np.int64
+        np.array(sorted(checks, reverse=True), dtype=np.uintp).reshape(-1, 4),
+        len(fields),
+        *(
+            np.array([getattr(field, name) for field in fields]).reshape(-1, 3)
+            for name in ("lower", "upper", "origin")
         ),
-        np.array([field.lower for field in fields]).reshape(-1, 3),
-        np.array([field.upper for field in fields]).reshape(-1, 3),
-        np.array([field.origin for field in fields]).reshape(-1, 3),
-        counts,
-        np.cumsum([0, *counts.prod(axis=1)], dtype=np.int64),
+        counts.astype(np.float64),
+        strides.astype(np.uintp),
+        np.cumsum([0, *counts.prod(axis=1)]).astype(np.uintp),
         np.concatenate([*cells, np.zeros(1, dtype=np.uint8)]),
         np.ascontiguousarray(T_world_base[:3, :3]),
         np.array(T_world_base[:3, 3]),
@@ -171,18 +180,18 @@ def _field_arrays(arm: ArmModel, T_world_base: Array) -> FieldArrays:
 
 def _table_arrays(
     tables: Sequence[PairTable],
-) -> tuple[IntArray, Array, Array, npt.NDArray[np.bool_]]:
+) -> tuple[UIntArray, Array, Array, Array, npt.NDArray[np.bool_]]:
     """What ``FieldArrays`` has of tables."""
-    sizes = [table.blocked.size for table in tables]
-    starts = np.cumsum([0, *sizes])
+    starts = np.cumsum([0, *(table.blocked.size for table in tables)])
     rows = [
-        (*table.joints, *table.blocked.shape, start)
+        (*table.joints, start, table.blocked.shape[1])
         for table, start in zip(tables, starts, strict=False)
     ]
     return (
-        np.array(rows, dtype=np.int64).reshape(-1, 5),
+        np.array(rows, dtype=np.uintp).reshape(-1, 4),
         np.array([table.low for table in tables]).reshape(-1, 2),
         np.array([1.0 / table.cell for table in tables]).reshape(-1, 2),
+        np.array([table.blocked.shape for table in tables], dtype=np.float64).reshape(-1, 2) - 1.0,
         np.concatenate([*(table.blocked.ravel() for table in tables), np.zeros(1, dtype=np.bool_)]),
     )
 

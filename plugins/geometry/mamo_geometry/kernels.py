@@ -158,73 +158,122 @@ def _cluster_hits(
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
-def _reaches(
-    f: FieldArrays, k: int, x: float, y: float, z: float, r: float, R: Array, p: Array
-) -> bool:
-    """Whether a ball in the world may reach the surface of field ``k``."""
-    j = f.frame[k]
-    if j < 0:
-        dx, dy, dz = x - f.p_base[0], y - f.p_base[1], z - f.p_base[2]
-        lx = f.R_base[0, 0] * dx + f.R_base[1, 0] * dy + f.R_base[2, 0] * dz
-        ly = f.R_base[0, 1] * dx + f.R_base[1, 1] * dy + f.R_base[2, 1] * dz
-        lz = f.R_base[0, 2] * dx + f.R_base[1, 2] * dy + f.R_base[2, 2] * dz
-    else:
-        dx, dy, dz = x - p[j, 0], y - p[j, 1], z - p[j, 2]
-        lx = R[j, 0, 0] * dx + R[j, 1, 0] * dy + R[j, 2, 0] * dz
-        ly = R[j, 0, 1] * dx + R[j, 1, 1] * dy + R[j, 2, 1] * dz
-        lz = R[j, 0, 2] * dx + R[j, 1, 2] * dy + R[j, 2, 2] * dz
-    ox = max(f.low[k, 0] - lx, lx - f.high[k, 0], 0.0)
-    oy = max(f.low[k, 1] - ly, ly - f.high[k, 1], 0.0)
-    oz = max(f.low[k, 2] - lz, lz - f.high[k, 2], 0.0)
-    if ox * ox + oy * oy + oz * oz >= r * r:
-        return False
-    nx = int(np.floor((lx - f.origin[k, 0]) * (1.0 / CELL)))
-    ny = int(np.floor((ly - f.origin[k, 1]) * (1.0 / CELL)))
-    nz = int(np.floor((lz - f.origin[k, 2]) * (1.0 / CELL)))
+def _reaches(f: FieldArrays, k: int, x: float, y: float, z: float, r: float) -> bool:
+    """Whether a ball, given in the frame of field ``k``, may reach its surface."""
     if (
-        nx < 0
-        or ny < 0
-        or nz < 0
-        or nx >= f.counts[k, 0]
-        or ny >= f.counts[k, 1]
-        or nz >= f.counts[k, 2]
+        x + r < f.low[k, 0]
+        or x - r > f.high[k, 0]
+        or y + r < f.low[k, 1]
+        or y - r > f.high[k, 1]
+        or z + r < f.low[k, 2]
+        or z - r > f.high[k, 2]
+    ):
+        return False
+    u = (x - f.origin[k, 0]) * (1.0 / CELL)
+    v = (y - f.origin[k, 1]) * (1.0 / CELL)
+    w = (z - f.origin[k, 2]) * (1.0 / CELL)
+    if (
+        u < 0.0
+        or v < 0.0
+        or w < 0.0
+        or u >= f.counts[k, 0]
+        or v >= f.counts[k, 1]
+        or w >= f.counts[k, 2]
     ):
         return r > PAD
-    at = f.start[k] + (nx * f.counts[k, 1] + ny) * f.counts[k, 2] + nz
-    return f.cells[at] * STEP < r
+    # Without a sign: Python's negative indices would cost as much as all the rest.
+    at = np.uintp(u) * f.strides[k, 0] + np.uintp(v) * f.strides[k, 1] + np.uintp(w)
+    return f.cells[f.start[k] + at] * STEP < r
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
+def _blocked(f: FieldArrays, q: Array) -> bool:
+    """Whether neighbours but one may touch."""
+    for n in range(f.tables.shape[0]):
+        u = (q[f.tables[n, 0]] - f.table_low[n, 0]) * f.table_scale[n, 0]
+        v = (q[f.tables[n, 1]] - f.table_low[n, 1]) * f.table_scale[n, 1]
+        row = np.uintp(min(max(u, 0.0), f.table_last[n, 0]))
+        column = np.uintp(min(max(v, 0.0), f.table_last[n, 1]))
+        if f.blocked[f.tables[n, 2] + row * f.tables[n, 3] + column]:
+            return True
+    return False
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
 def _meets_itself(f: FieldArrays, s: SphereArrays, q: Array, R: Array, p: Array) -> bool:
-    """Whether spheres of the arm, or of what it holds, reach something of the robot's own."""
-    for n in range(f.tables.shape[0]):
-        a, b = f.tables[n, 0], f.tables[n, 1]
-        u = int((q[a] - f.table_low[n, 0]) * f.table_scale[n, 0])
-        v = int((q[b] - f.table_low[n, 1]) * f.table_scale[n, 1])
-        u = min(max(u, 0), f.tables[n, 2] - 1)
-        v = min(max(v, 0), f.tables[n, 3] - 1)
-        if f.blocked[f.tables[n, 4] + u * f.tables[n, 3] + v]:
+    """Whether spheres of the arm, or of what it holds, reach something of the robot's own.
+
+    ``R`` (dof + 1, 3, 3) and ``p`` (dof + 1, 3): after the links the base is written there.
+    """
+    if _blocked(f, q):
+        return True
+    base = np.uintp(R.shape[0] - 1)
+    for row in range(3):
+        p[base, row] = f.p_base[row]
+        for col in range(3):
+            R[base, row, col] = f.R_base[row, col]
+    nothing_held = s.group_start[-2] == s.group_start[-1]
+    for n in range(f.held if nothing_held else 0, f.checks.shape[0]):
+        g, i, k, j = f.checks[n, 0], f.checks[n, 1], f.checks[n, 2], f.checks[n, 3]
+        first, end = s.group_start[g], s.group_start[g + np.uintp(1)]
+        x, y, z = _place(R, p, i, s.groups, g)
+        dx, dy, dz = x - p[j, 0], y - p[j, 1], z - p[j, 2]
+        x = R[j, 0, 0] * dx + R[j, 1, 0] * dy + R[j, 2, 0] * dz
+        y = R[j, 0, 1] * dx + R[j, 1, 1] * dy + R[j, 2, 1] * dz
+        z = R[j, 0, 2] * dx + R[j, 1, 2] * dy + R[j, 2, 2] * dz
+        if _reaches(f, k, x, y, z, s.groups[g, 3]) and _group_hits(s, f, R, p, i, k, j, first, end):
             return True
-    last = R.shape[0] - 1
-    before, i, x0, y0, z0 = -1, 0, 0.0, 0.0, 0.0
-    for n in range(f.checks.shape[0]):
-        g, k = f.checks[n, 0], f.checks[n, 1]
-        if s.group_start[g] == s.group_start[g + 1]:
+    return False
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
+def _group_hits(
+    s: SphereArrays,
+    f: FieldArrays,
+    R: Array,
+    p: Array,
+    i: int,
+    k: int,
+    j: int,
+    first: int,
+    end: int,
+) -> bool:
+    """Whether spheres of clusters ``first`` to ``end`` of link ``i`` reach field ``k`` of ``j``."""
+    a00 = R[j, 0, 0] * R[i, 0, 0] + R[j, 1, 0] * R[i, 1, 0] + R[j, 2, 0] * R[i, 2, 0]
+    a01 = R[j, 0, 0] * R[i, 0, 1] + R[j, 1, 0] * R[i, 1, 1] + R[j, 2, 0] * R[i, 2, 1]
+    a02 = R[j, 0, 0] * R[i, 0, 2] + R[j, 1, 0] * R[i, 1, 2] + R[j, 2, 0] * R[i, 2, 2]
+    a10 = R[j, 0, 1] * R[i, 0, 0] + R[j, 1, 1] * R[i, 1, 0] + R[j, 2, 1] * R[i, 2, 0]
+    a11 = R[j, 0, 1] * R[i, 0, 1] + R[j, 1, 1] * R[i, 1, 1] + R[j, 2, 1] * R[i, 2, 1]
+    a12 = R[j, 0, 1] * R[i, 0, 2] + R[j, 1, 1] * R[i, 1, 2] + R[j, 2, 1] * R[i, 2, 2]
+    a20 = R[j, 0, 2] * R[i, 0, 0] + R[j, 1, 2] * R[i, 1, 0] + R[j, 2, 2] * R[i, 2, 0]
+    a21 = R[j, 0, 2] * R[i, 0, 1] + R[j, 1, 2] * R[i, 1, 1] + R[j, 2, 2] * R[i, 2, 1]
+    a22 = R[j, 0, 2] * R[i, 0, 2] + R[j, 1, 2] * R[i, 1, 2] + R[j, 2, 2] * R[i, 2, 2]
+    dx, dy, dz = p[i, 0] - p[j, 0], p[i, 1] - p[j, 1], p[i, 2] - p[j, 2]
+    t0 = R[j, 0, 0] * dx + R[j, 1, 0] * dy + R[j, 2, 0] * dz
+    t1 = R[j, 0, 1] * dx + R[j, 1, 1] * dy + R[j, 2, 1] * dz
+    t2 = R[j, 0, 2] * dx + R[j, 1, 2] * dy + R[j, 2, 2] * dz
+    for c in range(first, end):
+        x, y, z = s.clusters[c, 0], s.clusters[c, 1], s.clusters[c, 2]
+        if not _reaches(
+            f,
+            k,
+            t0 + a00 * x + a01 * y + a02 * z,
+            t1 + a10 * x + a11 * y + a12 * z,
+            t2 + a20 * x + a21 * y + a22 * z,
+            s.clusters[c, 3],
+        ):
             continue
-        if g != before:
-            before, i = g, min(g, last)
-            x0, y0, z0 = _place(R, p, i, s.groups, g)
-        x, y, z = x0, y0, z0
-        if not _reaches(f, k, x, y, z, s.groups[g, 3], R, p):
-            continue
-        for c in range(s.group_start[g], s.group_start[g + 1]):
-            x, y, z = _place(R, p, i, s.clusters, c)
-            if not _reaches(f, k, x, y, z, s.clusters[c, 3], R, p):
-                continue
-            for m in range(s.cluster_start[c], s.cluster_start[c + 1]):
-                x, y, z = _place(R, p, i, s.spheres, m)
-                if _reaches(f, k, x, y, z, s.spheres[m, 3], R, p):
-                    return True
+        for m in range(s.cluster_start[c], s.cluster_start[c + np.uintp(1)]):
+            x, y, z = s.spheres[m, 0], s.spheres[m, 1], s.spheres[m, 2]
+            if _reaches(
+                f,
+                k,
+                t0 + a00 * x + a01 * y + a02 * z,
+                t1 + a10 * x + a11 * y + a12 * z,
+                t2 + a20 * x + a21 * y + a22 * z,
+                s.spheres[m, 3],
+            ):
+                return True
     return False
 
 
@@ -264,7 +313,7 @@ def free_batch(
 ) -> BoolArray:
     """Which configurations (k, dof) are free."""
     count, dof = configurations.shape
-    R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
+    R, p = np.empty((dof + 1, 3, 3)), np.empty((dof + 1, 3))
     near = np.empty(2 * w.centre.shape[0], dtype=np.uintp)
     result = np.empty(count, dtype=np.bool_)
     for n in range(count):
@@ -345,7 +394,7 @@ def edges_batch(
 ) -> BoolArray:
     """Which straight motions between configurations (k, dof), both ends included, are free."""
     count, dof = starts.shape
-    R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
+    R, p = np.empty((dof + 1, 3, 3)), np.empty((dof + 1, 3))
     near = np.empty(2 * w.centre.shape[0], dtype=np.uintp)
     checks = np.zeros(1, dtype=np.int64)
     result = np.empty(count, dtype=np.bool_)
@@ -371,7 +420,7 @@ def sweep_heights(
     nearest point of its square to each sphere, so nothing is missed.
     """
     dof = path.shape[1]
-    R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
+    R, p = np.empty((dof + 1, 3, 3)), np.empty((dof + 1, 3))
     q = np.empty(dof)
     for n in range(path.shape[0]):
         steps = 1
