@@ -37,6 +37,7 @@ def mamo_backends() -> Iterable[Component]:
                     "exact_continuation",
                     "friction_product",
                     "parameter_overrides",
+                    "self_contact",
                     "tool_pose",
                 }
             ),

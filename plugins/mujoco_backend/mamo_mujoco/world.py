@@ -21,6 +21,7 @@ from mamo_core.types.problem import Problem
 from mamo_core.types.scene import Mobility
 from mamo_mujoco.clearance import add_immovable_pairs, keep_clear
 from mamo_mujoco.options import MuJoCoOptions
+from mamo_mujoco.own_contacts import add_body, add_own_pairs
 
 _ROBOT, _OBJECT, _FIXTURE = 1, 2, 4
 _COLLIDES_WITH = {
@@ -145,6 +146,8 @@ def _add_arm(spec: Any, problem: Problem, arm: ArmModel, options: MuJoCoOptions)
         parent = base if link.parent < 0 else bodies[link.parent]
         bodies.append(_add_link(spec, parent, link, options))
         _add_servo(spec, link, options)
+    add_body(spec, base, arm)
+    add_own_pairs(spec, arm)
 
 
 def _add_link(spec: Any, parent: Any, link: LinkModel, options: MuJoCoOptions) -> Any:

@@ -205,7 +205,7 @@ class PyBulletWorld(SimulatedWorld):
             for point in points
             if point[_DISTANCE] <= 0.0
         }
-        ascending = sorted((min(pair), max(pair)) for pair in pairs if pair[0] != pair[1])
+        ascending = sorted((min(pair), max(pair)) for pair in pairs)
         return np.array(ascending, dtype=np.int64) if ascending else NO_CONTACTS
 
     def _wake(self, near: set[tuple[int, int]]) -> None:
