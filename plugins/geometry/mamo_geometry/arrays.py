@@ -25,8 +25,8 @@ class FieldArrays(NamedTuple):
 
     ``checks`` (k, 4): group of spheres, the link it is in, number of the field, and the link that
     has it (dof for the base); the first ``held`` are of what is held.
-    ``low``, ``high`` (n, 3): bounds of the surfaces; ``origin``, ``counts``, ``strides`` (n, 3) and ``start`` (n,): the grids, whose ``cells`` lie one after
-    another. ``R_base`` (3, 3), ``p_base`` (3,): the base in the world. ``tables`` (m, 4): two
+    ``low``, ``high`` (n, 3): bounds of the surfaces; ``origin``, ``counts``,
+    ``strides`` (n, 3) and ``start`` (n,): the grids, whose ``cells`` lie one after another. ``R_base`` (3, 3), ``p_base`` (3,): the base in the world. ``tables`` (m, 4): two
     joints, where the cells of the table begin in ``blocked``, and how many are in a row;
     ``table_low``, ``table_scale``, ``table_last`` (m, 2): its lowest positions, cells a radian, and
     numbers of the last cells.
