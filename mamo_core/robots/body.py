@@ -71,7 +71,7 @@ def _crossings(mesh: Any, axis: int, height: float) -> Array:
 
 def with_self_collision(arm: ArmModel, mount: str) -> ArmModel:
     """The arm with its pairs and fields; ``mount``: the body part the arm begins at."""
-    solids = [_solid(part) for part in (*arm.links, *arm.body)]
+    solids = [_solid(part) for part in arm.parts]
     facts = measure_pairs(arm, solids, [mount])
     close = [f for f in facts if f.checked and f.tabled and f.other < len(arm.links)]
     tables = tuple(measure_table(arm, f.one, f.other, solids) for f in close)

@@ -125,9 +125,14 @@ class ArmModel:
         return len(self.joint_names)
 
     @property
+    def parts(self) -> tuple[LinkModel | BodyPart, ...]:
+        """By number: the links, then the body."""
+        return (*self.links, *self.body)
+
+    @property
     def part_names(self) -> tuple[str, ...]:
-        """Names by number of a part: of the links, then of the body."""
-        return (*(link.name for link in self.links), *(part.name for part in self.body))
+        """Names by number of a part."""
+        return tuple(part.name for part in self.parts)
 
     @property
     def around_home(self) -> tuple[Array, Array]:

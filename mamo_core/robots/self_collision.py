@@ -57,7 +57,7 @@ class SelfCollisions:
         names = [*arm.part_names]
         pieces = [
             _Piece(number, number if number < links else -1, *_mesh(path), np.eye(4))
-            for number, part in enumerate((*arm.links, *arm.body))
+            for number, part in enumerate(arm.parts)
             for path in part.meshes
         ]
         pairs = set(arm.self_pairs)
@@ -111,7 +111,7 @@ class SelfCollisions:
             )
             if fcl.collide(one, other):
                 done = row
-                yield row, tuple(self._names[self._pieces[n].number] for n in (a, b))  # type: ignore[misc]
+                yield row, tuple(self._names[self._pieces[n].number] for n in (a, b))
 
     def _near(self, placed: Sequence[Array]) -> IntArray:
         """Numbers (n, 2), ascending, of configurations and pairs whose balls meet."""

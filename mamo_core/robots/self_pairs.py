@@ -174,7 +174,7 @@ class _Samples:
         for k in np.argsort(gaps, kind="stable")[:_NEAREST]:
             if gaps[k] >= min(best, _APART):
                 return min(best, float(gaps[k]))
-            T = self._relative(self._frames, one, other, k)
+            T = self._relative(self._frames, one, other, int(k))
             best = min(best, self._geometry[one].distance(self._geometry[other], T))
         return best
 
@@ -183,7 +183,7 @@ class Geometry:
     """The meshes and hulls of a part as trees, and a ball around them."""
 
     def __init__(self, solid: Solid) -> None:
-        self._corners = [np.array(hull.vertices[:1]) for hull in solid.hulls]
+        self._corners = [np.array(h.vertices[:1], dtype=np.float64) for h in solid.hulls]
         self._planes = [_planes(hull) for hull in solid.hulls]
         self._mesh_trees = [_tree(mesh) for mesh in solid.meshes]
         self._hull_trees = [_tree(hull) for hull in solid.hulls]

@@ -24,12 +24,12 @@ class FieldArrays(NamedTuple):
     """Distance fields of the robot (n,), and what is checked against them.
 
     ``checks`` (k, 4): group of spheres, the link it is in, number of the field, and the link that
-    has it (dof for the base); the first ``held`` are of what is held.
-    ``low``, ``high`` (n, 3): bounds of the surfaces; ``origin``, ``counts``,
-    ``strides`` (n, 3) and ``start`` (n,): the grids, whose ``cells`` lie one after another. ``R_base`` (3, 3), ``p_base`` (3,): the base in the world. ``tables`` (m, 4): two
-    joints, where the cells of the table begin in ``blocked``, and how many are in a row;
-    ``table_low``, ``table_scale``, ``table_last`` (m, 2): its lowest positions, cells a radian, and
-    numbers of the last cells.
+    has it (dof for the base); the first ``held`` are of what is held. ``low``, ``high`` (n, 3):
+    bounds of the surfaces. ``origin``, ``counts``, ``strides`` (n, 3) and ``start`` (n,): the
+    grids, whose ``cells`` lie one after another. ``R_base`` (3, 3), ``p_base`` (3,): the base in
+    the world. ``tables`` (m, 4): two joints, where the cells of the table begin in ``blocked``, and
+    how many are in a row; ``table_low``, ``table_scale``, ``table_last`` (m, 2): its lowest
+    positions, cells a radian, and numbers of the last cells.
     """
 
     checks: UIntArray
@@ -164,10 +164,9 @@ def _field_arrays(arm: ArmModel, T_world_base: Array) -> FieldArrays:
         # What is farthest out is the likeliest to touch.
         np.array(sorted(checks, reverse=True), dtype=np.uintp).reshape(-1, 4),
         len(fields),
-        *(
-            np.array([getattr(field, name) for field in fields]).reshape(-1, 3)
-            for name in ("lower", "upper", "origin")
-        ),
+        np.array([field.lower for field in fields]).reshape(-1, 3),
+        np.array([field.upper for field in fields]).reshape(-1, 3),
+        np.array([field.origin for field in fields]).reshape(-1, 3),
         counts.astype(np.float64),
         strides.astype(np.uintp),
         np.cumsum([0, *counts.prod(axis=1)]).astype(np.uintp),

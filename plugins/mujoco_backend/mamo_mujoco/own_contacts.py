@@ -33,7 +33,7 @@ def add_body(spec: Any, base: Any, arm: ArmModel) -> None:
 
 def add_own_pairs(spec: Any, arm: ArmModel) -> None:
     """Have the hulls of ``arm.hull_pairs`` looked at, and no others of the robot's own."""
-    parts = (*arm.links, *arm.body)
+    parts = arm.parts
     for one, other in arm.hull_pairs:
         for k in range(len(parts[one].hulls)):
             for n in range(len(parts[other].hulls)):

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from mamo_core.interfaces.collision_checker import HeldObject
 from mamo_core.problems import generate_shelf
 from mamo_core.robots import load_arm
-from mamo_core.robots.self_collision import SelfCollisions
 from mamo_core.robots.exact_collision import ExactChecker, _boxes_meet
+from mamo_core.robots.self_collision import SelfCollisions
 from mamo_core.types.geometry import Box, make_pose, matrix_from_pose
 
 

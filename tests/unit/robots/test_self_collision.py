@@ -1,5 +1,7 @@
 """The robot against itself: pairs, fields, tables, exact checks, and what verify says of plans."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -7,11 +9,13 @@ from mamo_geometry.options import SphereCheckerOptions
 from mamo_geometry.sphere_checker import SphereChecker
 
 from mamo_core.interfaces.collision_checker import HeldObject
+from mamo_core.problems import generate_shelf
 from mamo_core.robots import load_arm
 from mamo_core.robots.distance_field import CELL, STEP, measure_field
-from mamo_core.robots.self_collision import SelfCollisions
+from mamo_core.robots.self_collision import SelfCollisions, check_self_collisions
 from mamo_core.robots.specs import SPECS
 from mamo_core.types.geometry import Box, make_pose
+from mamo_core.types.motion import MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.scene import Mobility, Scene, SceneObject, Workspace
 
 ARMS = sorted(SPECS)
@@ -112,3 +116,25 @@ def test_a_field_is_never_too_large(solid):
     distance = outside + (0.0 if solid else depth)
     assert (bounds <= distance + 1e-9).all()
     assert (bounds > distance - 0.06)[distance < 0.2].all()
+
+
+def through_the_torso(arm):
+    """A sweep of the arm into the robot's own body."""
+    end = arm.home.copy()
+    end[0], end[1] = 0.7, 1.2
+    path = np.linspace(arm.home, end, 20)
+    return MotionSegment(
+        SegmentKind.SWEEP, Trajectory(np.linspace(0.0, 4.0, 20), path), arm.gripper.closed
+    )
+
+
+def test_a_sweep_through_the_torso_is_found_and_named():
+    arm = load_arm("pr2_right_arm")
+    problem = generate_shelf(movables=1, seed=1)
+    segment, closed = through_the_torso(arm), arm.gripper.closed
+    found = check_self_collisions(problem.scene, [segment], [problem.initial], arm, closed)
+    assert len(found) == 1
+    assert found[0].startswith("sweep: ")
+    assert " collides with " in found[0]
+    still = replace(segment, trajectory=Trajectory(np.zeros(1), arm.home[None]))
+    assert check_self_collisions(problem.scene, [still], [problem.initial], arm, closed) == []

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mamo_core.interfaces.transition_model import RolloutOptions
+from mamo_core.robots.self_collision import check_self_collisions
 from mamo_core.robots.timing import time_path
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import tool_matrix
@@ -148,6 +149,26 @@ def test_joint_limit(failures, planner, plan):
     segments = (changed, *motion.segments[1:])
     found = failures(with_action(plan, replace(motion, segments=segments)))
     mentions(found, f"motion 0 (transit): {robot.joint_names[joint]} exceeds its limit by 1.00e-02")
+
+
+def test_a_way_through_the_own_torso(problem, planner, plan):
+    """A sweep, which may touch things, but not the robot itself."""
+    home, motion = problem.home, plan.actions[0].motion
+    inside = home.copy()
+    inside[0], inside[1] = 0.7, 1.2
+    way = np.vstack([np.linspace(home, inside, 30), np.linspace(inside, home, 30)[1:]])
+    detour = MotionSegment(
+        SegmentKind.SWEEP, Trajectory(np.linspace(0.0, 12.0, len(way)), way), motion.opening
+    )
+    changed = with_action(plan, replace(motion, segments=(detour, *motion.segments)))
+    report = verify(problem, changed, planner.context.backend, planner.context.robot)
+    mentions(report.failures, "robot - robot")
+    states = [problem.initial] * sum(len(m.segments) for m in changed.motions)
+    segments = [s for m in changed.motions for s in m.segments]
+    found = check_self_collisions(
+        problem.scene, segments, states, planner.context.robot, motion.opening
+    )
+    mentions(found, "sweep: ")
 
 
 def test_velocity_limit(failures, plan):
