@@ -144,7 +144,7 @@ class _Samples:
         a, b = self._geometry[one], self._geometry[other]
         gaps = self._gaps(self._frames, one, other)
         touch, alarms = 0, 0
-        for k in np.flatnonzero(gaps <= 0.0):
+        for k in np.flatnonzero(gaps <= 0.0).tolist():
             T = self._relative(self._frames, one, other, k)
             if a.meshes_touch(b, T):
                 touch += 1
@@ -171,10 +171,10 @@ class _Samples:
     def _closest(self, one: int, other: int, gaps: Array) -> float:
         """The smallest distance in the samples whose balls are nearest, m."""
         best = np.inf
-        for k in np.argsort(gaps, kind="stable")[:_NEAREST]:
+        for k in np.argsort(gaps, kind="stable")[:_NEAREST].tolist():
             if gaps[k] >= min(best, _APART):
                 return min(best, float(gaps[k]))
-            T = self._relative(self._frames, one, other, int(k))
+            T = self._relative(self._frames, one, other, k)
             best = min(best, self._geometry[one].distance(self._geometry[other], T))
         return best
 
@@ -206,7 +206,7 @@ class Geometry:
         pairs = _placed_pairs(self._hull_trees, other._hull_trees, T)
         if any(fcl.collide(a, b) for a, b in pairs):
             return True
-        inverse = np.linalg.inv(T)
+        inverse: Array = np.linalg.inv(T)
         return any(
             _within(corner, T, planes) for corner in self._corners for planes in other._planes
         ) or any(
@@ -236,7 +236,7 @@ def _planes(hull: Any) -> tuple[Array, Array]:
     return normals, np.einsum("ij,ij->i", normals, hull.triangles[:, 0])
 
 
-def _within(corner: Array, T: Array, planes: tuple[Array, Array]) -> bool:
+def _within(corner: Any, T: Array, planes: tuple[Array, Array]) -> bool:
     """Whether a point (1, 3), moved by ``T`` (4, 4), is in a convex solid."""
     moved = corner[0] @ T[:3, :3].T + T[:3, 3]
     return bool((planes[0] @ moved <= planes[1]).all())
