@@ -206,7 +206,7 @@ class Geometry:
         pairs = _placed_pairs(self._hull_trees, other._hull_trees, T)
         if any(fcl.collide(a, b) for a, b in pairs):
             return True
-        inverse: Array = np.linalg.inv(T)
+        inverse = np.asarray(np.linalg.inv(T), dtype=np.float64)
         return any(
             _within(corner, T, planes) for corner in self._corners for planes in other._planes
         ) or any(
