@@ -11,6 +11,7 @@ from mamo_core.interfaces.transition_model import Replay, RolloutOptions, Transi
 from mamo_core.robots.contact_free import check_meshes
 from mamo_core.robots.exact_collision import ExactChecker
 from mamo_core.robots.model import ArmModel
+from mamo_core.robots.self_collision import check_self_collisions
 from mamo_core.types.motion import Motion, MotionSegment
 from mamo_core.types.problem import Problem, Task
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
@@ -29,8 +30,8 @@ _CONTINUITY = 1e-6
 class VerifyReport:
     """``failures`` in words, empty if the plan holds; ``rollout``: its continuous execution.
 
-    ``kinds`` of failures: names of constraints, lost, stalled, mesh, grasp, not_retrieved,
-    not_reached, replay, friction, form.
+    ``kinds`` of failures: names of constraints, lost, stalled, mesh, self_collision, grasp,
+    not_retrieved, not_reached, replay, friction, form.
     ``outside_cpu``: CPU seconds that other processes spent.
     """
 
@@ -63,9 +64,9 @@ def verify(
 
     Checked: form, joint limits, speeds and continuity of all trajectories; every interaction
     constraint at every step; contact-free segments against exact meshes, with the objects where
-    the execution left them; that the fingers close on what they hold, from both sides, and
-    friction carries it; that the task is done: the target ends in the hand, at home, or the open
-    hand at a pre-grasp.
+    the execution left them; all segments for collisions of the robot with itself; that the
+    fingers close on what they hold, from both sides, and friction carries it; that the task is
+    done: the target ends in the hand, at home, or the open hand at a pre-grasp.
     """
     static = [*check_form(problem, plan), *check_trajectories(problem, plan, robot)]
     if static:
@@ -126,6 +127,9 @@ def _judged(problem: Problem, plan: Plan, rollout: RolloutResult, robot: ArmMode
         states = rollout.segment_states
         found = {
             "mesh": check_meshes(problem.scene, segments, states, robot, opening),
+            "self_collision": check_self_collisions(
+                problem.scene, segments, states, robot, opening
+            ),
             "grasp": check_fingers(problem, segments, states, robot, opening),
         }
         if problem.task is Task.REACH:

@@ -22,7 +22,8 @@ from mamo_core.types.scene import Mobility
 
 
 class ContactConstraint(LimitedConstraint):
-    """Nothing touches an immovable object, nor the target before it is held; no arm on fixtures.
+    """Nothing touches an immovable object, nor the target before it is held; no arm on fixtures
+    or on the robot itself.
 
     While the target is held the arm may touch it, and it may still touch the fixture it stood on;
     nothing else may. Engines with the capability ``clearance`` report that a movable object touches
@@ -45,6 +46,7 @@ class ContactConstraint(LimitedConstraint):
             others = [e for e in range(1 + objects) if e != entity]
             free[entity, others] = free[others, entity] = True
         free[ROBOT, fixtures] = free[fixtures, ROBOT] = True
+        free[ROBOT, ROBOT] = True
         forbidden = np.repeat(free[None], 1 + objects, axis=0)
         # As entity it comes after the robot, in the limits after "nothing in hand".
         held = forbidden[target]

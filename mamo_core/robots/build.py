@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from mamo_core.robots.model import ArmModel, BodyBox, GripperModel, LinkModel
+from mamo_core.robots.body import body_parts, with_self_collision
+from mamo_core.robots.model import ArmModel, GripperModel, LinkModel
 from mamo_core.robots.specs import ArmSpec, robot_data_folder
 from mamo_core.robots.spheres import cover_hull
 from mamo_core.robots.urdf import write_urdf
@@ -59,11 +60,11 @@ def build_arm(spec: ArmSpec, folder: Path) -> ArmModel:
         T_link_tool=tool_frame.placement.homogeneous @ spec.T_link_tool,
         gripper=_gripper(spec, links, tool_frame, pieces),
         home=np.array(spec.home),
-        body=tuple(_body_box(spec, name, model, geometry) for name in spec.body_links),
+        body=body_parts(_standing_pieces(model, geometry), folder),
         urdf=folder / "arm.urdf",
     )
     write_urdf(arm)
-    return arm
+    return with_self_collision(arm, _mount(urdf, spec.joints[0]))
 
 
 def _reduced(pin: Any, spec: ArmSpec, urdf: Path) -> tuple[Any, Any]:
@@ -72,7 +73,11 @@ def _reduced(pin: Any, spec: ArmSpec, urdf: Path) -> tuple[Any, Any]:
     geometry = pin.buildGeomFromUrdf(full, str(urdf), pin.GeometryType.COLLISION, None, packages)
     reference = pin.neutral(full)
     for name, value in spec.locked.items():
-        reference[full.joints[full.getJointId(name)].idx_q] = value
+        joint = full.joints[full.getJointId(name)]
+        # The position of a joint without end is a cosine and a sine.
+        reference[joint.idx_q : joint.idx_q + joint.nq] = (
+            value if joint.nq == 1 else (np.cos(value), np.sin(value))
+        )
     keep = {*spec.joints, *spec.finger_joints}
     locked = [i for i in range(1, full.njoints) if full.names[i] not in keep]
     return pin.buildReducedModel(full, geometry, locked, reference)
@@ -197,13 +202,21 @@ def _ahead_of(hull: Any, x: float) -> Array:
     return np.vstack([hull.vertices[hull.vertices[:, 0] >= x], cut])
 
 
-def _body_box(spec: ArmSpec, link: str, model: Any, geometry: Any) -> BodyBox:
+def _standing_pieces(model: Any, geometry: Any) -> dict[str, list[Any]]:
+    """Collision meshes of what never moves (trimesh, base frame), by link of the URDF."""
+    pieces: dict[str, list[Any]] = {}
     for item in geometry.geometryObjects:
-        if model.frames[item.parentFrame].name == link or item.name.startswith(f"{link}_"):
+        if item.parentJoint == 0:
             mesh = _trimesh_of(item)
             mesh.apply_transform(item.placement.homogeneous)
-            lower, upper = mesh.bounds
-            T = np.eye(4)
-            T[:3, 3] = (lower + upper) / 2.0
-            return BodyBox(link, T, upper - lower, spec.body_first_link)
-    raise ValueError(f"robot {spec.name}: no collision geometry of {link}")
+            pieces.setdefault(model.frames[item.parentFrame].name, []).append(mesh)
+    return pieces
+
+
+def _mount(urdf: Path, joint_name: str) -> str:
+    """The link that a joint begins at."""
+    for joint in ElementTree.parse(urdf).getroot().iter("joint"):
+        parent = joint.find("parent")
+        if joint.get("name") == joint_name and parent is not None:
+            return parent.get("link", "")
+    raise ValueError(f"{urdf}: no joint {joint_name!r}")

@@ -13,6 +13,7 @@ import numpy as np
 from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld, HeldObject
 from mamo_core.robots.kinematics import link_transforms_along
 from mamo_core.robots.model import ArmModel
+from mamo_core.robots.self_collision import SelfCollisions
 from mamo_core.robots.timing import interpolated
 from mamo_core.types.geometry import Array, BoolArray, Box, IntArray, Shape, matrix_from_pose
 from mamo_core.types.scene import Scene
@@ -59,7 +60,8 @@ class _Obstacle:
 
 
 class ExactWorld(CollisionWorld):
-    """Meshes of the arm against primitives. Slow; the authority for final paths.
+    """Meshes of the arm against primitives, and against the robot's own. Slow; the authority for
+    final paths.
 
     Pairs whose boxes are apart cannot touch and are not looked at.
     """
@@ -71,7 +73,9 @@ class ExactWorld(CollisionWorld):
         opening: float,
         obstacles: list[_Obstacle],
         pieces: list[_Piece],
+        own: SelfCollisions,
     ) -> None:
+        self._own = own
         self._arm, self._opening, self._T_world_base = arm, opening, T_world_base
         self._obstacles, self._pieces = obstacles, pieces
         self._links = [piece.number for piece in pieces]
@@ -84,7 +88,9 @@ class ExactWorld(CollisionWorld):
     def free(self, configurations: Array) -> BoolArray:
         rows = np.atleast_2d(configurations)
         touched = {row for row, _ in self._touching(rows)}
-        return np.array([row not in touched for row in range(len(rows))])
+        clear = np.array([row not in touched for row in range(len(rows))], dtype=np.bool_)
+        clear[clear] = self._own.free(rows[clear], self._opening)
+        return clear
 
     def edges_free(self, starts: Array, ends: Array) -> BoolArray:
         return np.array(
@@ -95,7 +101,10 @@ class ExactWorld(CollisionWorld):
         )
 
     def first_touched(self, configurations: Array) -> str | None:
-        """Name of something the arm (or the held object) touches at configurations (k, dof)."""
+        """Name of something the arm (or the held object) touches at configurations (k, dof).
+
+        The robot itself is not asked for here: see ``SelfCollisions``.
+        """
         return next((name for _, name in self._touching(np.atleast_2d(configurations))), None)
 
     def touching_links(self, configuration: Array) -> frozenset[int]:
@@ -183,6 +192,7 @@ class ExactChecker(CollisionChecker):
     def __init__(self, scene: Scene, arm: ArmModel) -> None:
         self._scene, self._arm = scene, arm
         self._T_world_base = matrix_from_pose(scene.T_world_base)
+        self._own = SelfCollisions(arm)
         self._links = [
             _Piece(number, *_mesh(path), np.eye(4))
             for number, link in enumerate(arm.links)
@@ -207,7 +217,8 @@ class ExactChecker(CollisionChecker):
         ]
         obstacles = [_obstacle(*body) for body in bodies if body[0] not in ignore]
         pieces = self._links if held is None else [*self._links, self._held(held)]
-        return ExactWorld(self._arm, self._T_world_base, opening, obstacles, pieces)
+        own = self._own if held is None else SelfCollisions(self._arm, held)
+        return ExactWorld(self._arm, self._T_world_base, opening, obstacles, pieces, own)
 
     def _held(self, held: HeldObject) -> _Piece:
         T = self._arm.T_link_tool @ held.T_tool_object

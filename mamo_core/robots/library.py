@@ -7,7 +7,7 @@ import json
 import os
 import shutil
 import tempfile
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,9 @@ import numpy as np
 
 from mamo_core.errors import InputError, suggestion
 from mamo_core.robots import build, spheres
-from mamo_core.robots.model import ArmModel, BodyBox, GripperModel, LinkModel
+from mamo_core.robots.distance_field import read_fields, write_fields
+from mamo_core.robots.model import ArmModel, BodyPart, GripperModel, LinkModel
+from mamo_core.robots.pair_table import read_tables, write_tables
 from mamo_core.robots.specs import SPECS, ArmSpec, robot_data_folder
 
 
@@ -50,7 +52,18 @@ def _content_hash(spec: ArmSpec) -> str:
     source = robot_data_folder() / Path(spec.urdf).parts[0]
     files = [robot_data_folder() / spec.urdf, *sorted(source.glob("meshes/**/*.stl"))]
     code = Path(build.__file__).parent
-    files += [code / n for n in ("build.py", "kinematics.py", "model.py", "specs.py", "urdf.py")]
+    names = [
+        "body",
+        "build",
+        "distance_field",
+        "kinematics",
+        "model",
+        "pair_table",
+        "self_pairs",
+        "specs",
+        "urdf",
+    ]
+    files += [code / f"{name}.py" for name in names]
     files.append(Path(spheres.__file__))
     for file in files:
         digest.update(file.read_bytes())
@@ -65,7 +78,10 @@ def _build_into(spec: ArmSpec, folder: Path) -> None:
         arm = build.build_arm(spec, work)
         text = (work / "arm.urdf").read_text().replace(str(work), str(folder))
         (work / "arm.urdf").write_text(text)
-        (work / "arm.json").write_text(json.dumps(_encode(arm)))
+        write_fields(arm.fields, work / "fields.npz")
+        write_tables(arm.tables, work / "tables.npz")
+        bare = replace(arm, fields=(), tables=())
+        (work / "arm.json").write_text(json.dumps(_encode(bare)))
         _put_in_place(work, folder)
     finally:
         shutil.rmtree(work, ignore_errors=True)
@@ -116,12 +132,22 @@ def _read(folder: Path) -> ArmModel:
             gripper["force"],
         ),
         home=_array(data["home"]),
-        body=tuple(
-            BodyBox(b["name"], _array(b["T_base_box"]), _array(b["size"]), b["first_link"])
-            for b in data["body"]
-        ),
+        body=tuple(_body_part(item, folder) for item in data["body"]),
         urdf=folder / data["urdf"],
+        self_pairs=_pairs(data["self_pairs"]),
+        hull_pairs=_pairs(data["hull_pairs"]),
+        fields=read_fields(folder / "fields.npz"),
+        tables=read_tables(folder / "tables.npz"),
     )
+
+
+def _body_part(item: dict[str, Any], folder: Path) -> BodyPart:
+    hulls, meshes = (tuple(folder / name for name in item[key]) for key in ("hulls", "meshes"))
+    return BodyPart(item["name"], hulls, meshes)
+
+
+def _pairs(rows: list[list[int]]) -> tuple[tuple[int, int], ...]:
+    return tuple((one, other) for one, other in rows)
 
 
 def _link(item: dict[str, Any], folder: Path) -> LinkModel:

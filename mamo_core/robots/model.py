@@ -8,7 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from mamo_core.robots.distance_field import DistanceField
 from mamo_core.robots.limits import JointLimits
+from mamo_core.robots.pair_table import PairTable
 from mamo_core.types.geometry import Array, frozen_array
 
 
@@ -73,23 +75,29 @@ class GripperModel:
 
 
 @dataclass(frozen=True, eq=False)
-class BodyBox:
-    """A part of the robot's own body the arm must not hit: oriented box in the base frame.
+class BodyPart:
+    """A part of the robot that never moves: torso, head, another arm, what carries the arm.
 
-    ``first_link``: the first link number that is checked against it; earlier ones are neighbours.
+    ``hulls`` (OBJ): convex pieces that the engines use; ``meshes`` (STL): the exact surfaces; both
+    in the base frame, metres.
     """
 
     name: str
-    T_base_box: Array
-    size: Array
-    first_link: int
+    hulls: tuple[Path, ...]
+    meshes: tuple[Path, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class ArmModel:
-    """An arm with a gripper.
+    """An arm with a gripper, and the rest of the robot that carries it.
 
     Joint arrays are (dof,): rad, rad/s, rad/s^2, rad/s^3 and N m (or m and N where a joint slides).
+
+    Parts of the robot have numbers: ``links`` first, then ``body``. ``self_pairs``: pairs that can
+    touch and must not, each a link and a link before it, or a link and a body part.
+    ``hull_pairs``: those of them whose hulls stand for the meshes, which engines look at.
+    ``fields``: distances to the surfaces, for the planners' check of the same pairs, but for those
+    of two joints that have ``tables``.
     """
 
     name: str
@@ -105,8 +113,12 @@ class ArmModel:
     T_link_tool: Array
     gripper: GripperModel
     home: Array
-    body: tuple[BodyBox, ...]
+    body: tuple[BodyPart, ...]
     urdf: Path
+    self_pairs: tuple[tuple[int, int], ...] = ()
+    hull_pairs: tuple[tuple[int, int], ...] = ()
+    fields: tuple[DistanceField, ...] = ()
+    tables: tuple[PairTable, ...] = ()
 
     @property
     def dof(self) -> int:
@@ -117,6 +129,16 @@ class ArmModel:
     def limits(self) -> JointLimits:
         """How fast the joints may move."""
         return JointLimits(self.velocity, self.acceleration, self.jerk)
+
+    @property
+    def parts(self) -> tuple[LinkModel | BodyPart, ...]:
+        """By number: the links, then the body."""
+        return (*self.links, *self.body)
+
+    @property
+    def part_names(self) -> tuple[str, ...]:
+        """Names by number of a part."""
+        return tuple(part.name for part in self.parts)
 
     @property
     def around_home(self) -> tuple[Array, Array]:

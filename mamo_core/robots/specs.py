@@ -20,7 +20,6 @@ class ArmSpec:
     (m), by link: how far planning spheres may reach beyond the surface; ``finger_slack`` that of
     the fingers, which work close to things. ``acceleration``, ``jerk``: of each of ``joints``, from
     data sheets. ``gripper_speed``: of the opening, m/s; ``gripper_force``: of each finger, N.
-    ``body_links``: parts of the robot the arm may hit from link number ``body_first_link`` on.
     ``finger_zone``: the stretch (m, behind the tool frame) in which the gap between the fingers is
     measured.
     """
@@ -41,8 +40,6 @@ class ArmSpec:
     gripper_speed: float
     gripper_force: float
     locked: Mapping[str, float] = field(default_factory=dict)
-    body_links: tuple[str, ...] = ()
-    body_first_link: int = 3
 
 
 def _translation(x: float, y: float, z: float) -> Array:
@@ -55,6 +52,18 @@ def _translation(x: float, y: float, z: float) -> Array:
 _PANDA_TOOL = np.array(
     [[0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.1129], [0.0, 0.0, 0.0, 1.0]]
 )
+
+# The left arm is held as the right one's home in a mirror: beside the robot, behind what stands in
+# front of it, where the published scenes begin with the right arm, too.
+_LEFT_ARM = {
+    "l_shoulder_pan_joint": 1.68651,
+    "l_shoulder_lift_joint": -0.184315,
+    "l_upper_arm_roll_joint": 1.67611,
+    "l_elbow_flex_joint": -1.66215,
+    "l_forearm_roll_joint": -0.285096,
+    "l_wrist_flex_joint": -0.658798,
+    "l_wrist_roll_joint": -1.41563,
+}
 
 PR2_RIGHT_ARM = ArmSpec(
     name="pr2_right_arm",
@@ -95,8 +104,7 @@ PR2_RIGHT_ARM = ArmSpec(
     # The fingers turn at 0.5 rad/s (URDF); wide open a radian opens them by 0.152 m.
     gripper_speed=0.075,
     gripper_force=50.0,
-    locked={"torso_lift_joint": 0.1},
-    body_links=("base_link", "torso_lift_link"),
+    locked={"torso_lift_joint": 0.1, **_LEFT_ARM},
 )
 
 PANDA = ArmSpec(
@@ -124,7 +132,6 @@ PANDA = ArmSpec(
     jerk=(7500.0, 3750.0, 5000.0, 6250.0, 7500.0, 10000.0, 10000.0),
     gripper_speed=0.1,
     gripper_force=70.0,
-    body_links=("panda_link0",),
 )
 
 SPECS: Mapping[str, ArmSpec] = {spec.name: spec for spec in (PR2_RIGHT_ARM, PANDA)}

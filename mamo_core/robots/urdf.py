@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
-from mamo_core.robots.model import ArmModel, LinkModel
+from mamo_core.robots.model import ArmModel, BodyPart, LinkModel
 from mamo_core.types.geometry import Array
 
 
 def write_urdf(arm: ArmModel) -> None:
-    """Write ``arm.urdf``: a base, one link a joint, convex hulls with absolute paths."""
+    """Write ``arm.urdf``: base and body, one link a joint, convex hulls with absolute paths."""
     root = ElementTree.Element("robot", name=arm.name)
     ElementTree.SubElement(root, "link", name="base")
+    for part in arm.body:
+        root.extend(_fixed_elements(part))
     for link in arm.links:
         root.append(_link_element(link))
         root.append(_joint_element(arm, link))
@@ -50,11 +54,25 @@ def _link_element(link: LinkModel) -> ElementTree.Element:
         iyz=f"{i[1, 2]:.12g}",
         izz=f"{i[2, 2]:.12g}",
     )
-    for hull in link.hulls:
+    _add_hulls(element, link.hulls)
+    return element
+
+
+def _add_hulls(element: ElementTree.Element, hulls: Sequence[Path]) -> None:
+    for hull in hulls:
         for role in ("visual", "collision"):
             geometry = ElementTree.SubElement(ElementTree.SubElement(element, role), "geometry")
             ElementTree.SubElement(geometry, "mesh", filename=str(hull))
-    return element
+
+
+def _fixed_elements(part: BodyPart) -> tuple[ElementTree.Element, ElementTree.Element]:
+    """A link and the joint that fixes it to the base; both are called ``body_NAME``."""
+    link = ElementTree.Element("link", name=f"body_{part.name}")
+    _add_hulls(link, part.hulls)
+    joint = ElementTree.Element("joint", name=f"body_{part.name}", type="fixed")
+    ElementTree.SubElement(joint, "parent", link="base")
+    ElementTree.SubElement(joint, "child", link=f"body_{part.name}")
+    return link, joint
 
 
 def _joint_element(arm: ArmModel, link: LinkModel) -> ElementTree.Element:

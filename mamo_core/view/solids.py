@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mamo_core.robots.model import LinkModel
+from mamo_core.robots.model import BodyPart, LinkModel
 from mamo_core.types.geometry import Array, Box, IntArray, Shape
 from mamo_core.types.region import SweptRegion
 
@@ -31,13 +31,13 @@ def shape_mesh(shape: Shape) -> Any:
     return trimesh.creation.cylinder(shape.radius, shape.height, sections=_SECTIONS)
 
 
-def link_mesh(link: LinkModel) -> Any | None:
-    """A ``trimesh.Trimesh`` of all surfaces of the link in its frame; None if it has none."""
+def part_mesh(part: LinkModel | BodyPart) -> Any | None:
+    """A ``trimesh.Trimesh`` of all surfaces of a part in its frame; None if it has none."""
     import trimesh
 
-    if not link.meshes:
+    if not part.meshes:
         return None
-    parts = [trimesh.load(path, force="mesh") for path in link.meshes]
+    parts = [trimesh.load(path, force="mesh") for path in part.meshes]
     return trimesh.util.concatenate(parts)
 
 

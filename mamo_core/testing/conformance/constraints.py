@@ -19,7 +19,7 @@ from mamo_core.testing.conformance.scenery import (
     still,
     tool,
 )
-from mamo_core.testing.gantry_arm import FOOT
+from mamo_core.testing.gantry_arm import FOOT, POST, POST_SIDE
 from mamo_core.testing.transition_cases import standard_constraints
 from mamo_core.types.geometry import Box, make_pose
 from mamo_core.types.motion import Motion
@@ -48,6 +48,19 @@ def robot_touches_target(bench: Bench) -> str:
 def robot_touches_fixture(bench: Bench) -> str:
     rail = Fixture("rail", Box(np.full(3, SIDE)), make_pose([0.0, 0.0, SIDE / 2.0]))
     return _contact_by_the_foot(bench, on_a_board(start=_START, fixtures=[rail]), "rail")
+
+
+def robot_touches_itself(bench: Bench) -> str:
+    """The foot is driven into the robot's own post."""
+    away = 0.1
+    front = POST[0] - POST_SIDE / 2.0
+    start = tool(front - away - FOOT / 2.0, POST[1], POST[2])
+    result = _run(
+        bench, on_a_board(start=start), motion(line(start, start + tool(0.14, 0, 0), SPEED))
+    )
+    found = _of_kind(result, "contact", "robot")
+    require(found.other == "robot", f"{found}, expected robot - robot")
+    return _onset(found, _time_at(away))
 
 
 def object_touches_immovable(bench: Bench) -> str:

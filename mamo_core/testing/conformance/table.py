@@ -184,6 +184,13 @@ CHECKS: tuple[Check, ...] = (
         grade=_ONSET,
     ),
     Check(
+        "robot_touches_itself",
+        "contact of the arm and another part of the robot",
+        constraints.robot_touches_itself,
+        "self_contact",
+        grade=_ONSET,
+    ),
+    Check(
         "object_touches_immovable",
         "contact of a pushed object and an immovable",
         constraints.object_touches_immovable,

@@ -18,7 +18,7 @@ from mamo_core.types.rollout import Violation
 from mamo_core.view.browser.still import add_mesh, rgb
 from mamo_core.view.differences import SHOWN, differences
 from mamo_core.view.engines import engine_colors
-from mamo_core.view.solids import link_mesh, shape_mesh
+from mamo_core.view.solids import part_mesh, shape_mesh
 from mamo_core.view.topdown import COLORS
 
 if TYPE_CHECKING:
@@ -59,15 +59,14 @@ def add_arm(scene: SceneApi, recording: Recording, robot: ArmModel) -> Mover:
 
 
 def _add_body(scene: SceneApi, robot: ArmModel) -> None:
-    import trimesh
-
     for part in robot.body:
-        mesh = trimesh.creation.box(extents=part.size, transform=part.T_base_box)
-        add_mesh(scene, f"/robot/{part.name}", mesh, BODY)
+        mesh = part_mesh(part)
+        if mesh is not None:
+            add_mesh(scene, f"/robot/{part.name}", mesh, BODY)
 
 
 def _add_link(scene: SceneApi, name: str, link: LinkModel) -> Any:
-    mesh = link_mesh(link)
+    mesh = part_mesh(link)
     if mesh is None:
         return scene.add_frame(name, show_axes=False)
     return add_mesh(scene, name, mesh, ARM)

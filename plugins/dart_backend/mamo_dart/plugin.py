@@ -47,6 +47,7 @@ def mamo_backends() -> Iterable[Component]:
                     "exact_continuation",
                     "isolated",
                     "parameter_overrides",
+                    "self_contact",
                     "tool_pose",
                 }
             ),

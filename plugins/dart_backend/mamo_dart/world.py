@@ -86,6 +86,7 @@ def build(
     for skeleton in skeletons:
         world.addSkeleton(skeleton)
     _ignore_standing_pairs(world, skeletons)
+    _choose_own_pairs(world, robot, arm)
     return DARTParts(
         world=world,
         robot=robot,
@@ -109,6 +110,19 @@ def _ignore_standing_pairs(world: Any, skeletons: list[Any]) -> None:
     for number, one in enumerate(standing):
         for other in standing[:number]:
             filtered.addBodyNodePairToBlackList(one, other)
+
+
+def _choose_own_pairs(world: Any, robot: Any, arm: ArmModel) -> None:
+    """Only the arm's ``hull_pairs`` are tested of all pairs of the robot's own."""
+    joints = [*(link.name for link in arm.links), *(f"body_{part.name}" for part in arm.body)]
+    chosen = {frozenset((joints[a], joints[b])) for a, b in arm.hull_pairs}
+    bodies = [robot.getBodyNode(k) for k in range(robot.getNumBodyNodes())]
+    filtered = world.getConstraintSolver().getCollisionOption().collisionFilter
+    for number, one in enumerate(bodies):
+        for other in bodies[:number]:
+            names = frozenset((one.getParentJoint().getName(), other.getParentJoint().getName()))
+            if names not in chosen:
+                filtered.addBodyNodePairToBlackList(one, other)
 
 
 def values_of(problem: Problem, parameters: ParameterOverrides | None) -> BodyValues:
@@ -155,7 +169,7 @@ def load_robot(problem: Problem, arm: ArmModel, options: DARTOptions) -> Any:
     loader.setOptions(settings)
     robot = loader.parseSkeleton(str(arm.urdf))
     robot.setName(problem.scene.entities[0])
-    robot.setSelfCollisionCheck(False)
+    robot.setSelfCollisionCheck(True)
     base = dartpy.math.Isometry3(matrix_from_pose(problem.scene.T_world_base))
     robot.getRootJoint().setTransformFromParentBodyNode(base)
     for number in range(robot.getNumBodyNodes()):

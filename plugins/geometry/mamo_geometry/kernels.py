@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from mamo_core.robots.distance_field import CELL, PAD, STEP
 from mamo_core.types.geometry import Array, BoolArray, IntArray
-from mamo_geometry.arrays import ChainArrays, SphereArrays, WorldArrays
+from mamo_geometry.arrays import ChainArrays, FieldArrays, SphereArrays, WorldArrays
 
 # Small functions are inlined by force: a call would copy the descriptors of all arrays.
 
@@ -110,15 +111,9 @@ def _near(w: WorldArrays, k: int, x: float, y: float, z: float, r: float) -> boo
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
-def _shortlist(
-    w: WorldArrays, link: int, x: float, y: float, z: float, r: float, near: IntArray
-) -> int:
-    """Primitives that a ball of link ``link`` reaches, into ``near``; returns their number."""
+def _shortlist(w: WorldArrays, x: float, y: float, z: float, r: float, near: IntArray) -> int:
+    """Primitives that a ball reaches, into ``near``; returns their number."""
     count = 0
-    for k in range(w.body):
-        if link >= w.first_link[k] and _near(w, k, x, y, z, r):
-            near[count] = k
-            count += 1
     if (
         x + r < w.lower[0]
         or x - r > w.upper[0]
@@ -128,7 +123,7 @@ def _shortlist(
         or z - r > w.upper[2]
     ):
         return count
-    for k in range(w.body, w.centre.shape[0]):
+    for k in range(w.centre.shape[0]):
         if _near(w, k, x, y, z, r):
             near[count] = k
             count += 1
@@ -162,6 +157,126 @@ def _cluster_hits(
     return False
 
 
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
+def _reaches(f: FieldArrays, k: int, x: float, y: float, z: float, r: float) -> bool:
+    """Whether a ball, given in the frame of field ``k``, may reach its surface."""
+    if (
+        x + r < f.low[k, 0]
+        or x - r > f.high[k, 0]
+        or y + r < f.low[k, 1]
+        or y - r > f.high[k, 1]
+        or z + r < f.low[k, 2]
+        or z - r > f.high[k, 2]
+    ):
+        return False
+    u = (x - f.origin[k, 0]) * (1.0 / CELL)
+    v = (y - f.origin[k, 1]) * (1.0 / CELL)
+    w = (z - f.origin[k, 2]) * (1.0 / CELL)
+    if (
+        u < 0.0
+        or v < 0.0
+        or w < 0.0
+        or u >= f.counts[k, 0]
+        or v >= f.counts[k, 1]
+        or w >= f.counts[k, 2]
+    ):
+        return r > PAD
+    # Without a sign: Python's negative indices would cost as much as all the rest.
+    at = np.uintp(u) * f.strides[k, 0] + np.uintp(v) * f.strides[k, 1] + np.uintp(w)
+    return f.cells[f.start[k] + at] * STEP < r
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
+def _blocked(f: FieldArrays, q: Array) -> bool:
+    """Whether neighbours but one may touch."""
+    for n in range(f.tables.shape[0]):
+        u = (q[f.tables[n, 0]] - f.table_low[n, 0]) * f.table_scale[n, 0]
+        v = (q[f.tables[n, 1]] - f.table_low[n, 1]) * f.table_scale[n, 1]
+        row = np.uintp(min(max(u, 0.0), f.table_last[n, 0]))
+        column = np.uintp(min(max(v, 0.0), f.table_last[n, 1]))
+        if f.blocked[f.tables[n, 2] + row * f.tables[n, 3] + column]:
+            return True
+    return False
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
+def _meets_itself(f: FieldArrays, s: SphereArrays, q: Array, R: Array, p: Array) -> bool:
+    """Whether spheres of the arm, or of what it holds, reach something of the robot's own.
+
+    ``R`` (dof + 1, 3, 3) and ``p`` (dof + 1, 3): after the links the base is written there.
+    """
+    if _blocked(f, q):
+        return True
+    base = np.uintp(R.shape[0] - 1)
+    for row in range(3):
+        p[base, row] = f.p_base[row]
+        for col in range(3):
+            R[base, row, col] = f.R_base[row, col]
+    nothing_held = s.group_start[-2] == s.group_start[-1]
+    for n in range(f.held if nothing_held else 0, f.checks.shape[0]):
+        g, i, k, j = f.checks[n, 0], f.checks[n, 1], f.checks[n, 2], f.checks[n, 3]
+        first, end = s.group_start[g], s.group_start[g + np.uintp(1)]
+        x, y, z = _place(R, p, i, s.groups, g)
+        dx, dy, dz = x - p[j, 0], y - p[j, 1], z - p[j, 2]
+        x = R[j, 0, 0] * dx + R[j, 1, 0] * dy + R[j, 2, 0] * dz
+        y = R[j, 0, 1] * dx + R[j, 1, 1] * dy + R[j, 2, 1] * dz
+        z = R[j, 0, 2] * dx + R[j, 1, 2] * dy + R[j, 2, 2] * dz
+        if _reaches(f, k, x, y, z, s.groups[g, 3]) and _group_hits(s, f, R, p, i, k, j, first, end):
+            return True
+    return False
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
+def _group_hits(
+    s: SphereArrays,
+    f: FieldArrays,
+    R: Array,
+    p: Array,
+    i: int,
+    k: int,
+    j: int,
+    first: int,
+    end: int,
+) -> bool:
+    """Whether spheres of clusters ``first`` to ``end`` of link ``i`` reach field ``k`` of ``j``."""
+    a00 = R[j, 0, 0] * R[i, 0, 0] + R[j, 1, 0] * R[i, 1, 0] + R[j, 2, 0] * R[i, 2, 0]
+    a01 = R[j, 0, 0] * R[i, 0, 1] + R[j, 1, 0] * R[i, 1, 1] + R[j, 2, 0] * R[i, 2, 1]
+    a02 = R[j, 0, 0] * R[i, 0, 2] + R[j, 1, 0] * R[i, 1, 2] + R[j, 2, 0] * R[i, 2, 2]
+    a10 = R[j, 0, 1] * R[i, 0, 0] + R[j, 1, 1] * R[i, 1, 0] + R[j, 2, 1] * R[i, 2, 0]
+    a11 = R[j, 0, 1] * R[i, 0, 1] + R[j, 1, 1] * R[i, 1, 1] + R[j, 2, 1] * R[i, 2, 1]
+    a12 = R[j, 0, 1] * R[i, 0, 2] + R[j, 1, 1] * R[i, 1, 2] + R[j, 2, 1] * R[i, 2, 2]
+    a20 = R[j, 0, 2] * R[i, 0, 0] + R[j, 1, 2] * R[i, 1, 0] + R[j, 2, 2] * R[i, 2, 0]
+    a21 = R[j, 0, 2] * R[i, 0, 1] + R[j, 1, 2] * R[i, 1, 1] + R[j, 2, 2] * R[i, 2, 1]
+    a22 = R[j, 0, 2] * R[i, 0, 2] + R[j, 1, 2] * R[i, 1, 2] + R[j, 2, 2] * R[i, 2, 2]
+    dx, dy, dz = p[i, 0] - p[j, 0], p[i, 1] - p[j, 1], p[i, 2] - p[j, 2]
+    t0 = R[j, 0, 0] * dx + R[j, 1, 0] * dy + R[j, 2, 0] * dz
+    t1 = R[j, 0, 1] * dx + R[j, 1, 1] * dy + R[j, 2, 1] * dz
+    t2 = R[j, 0, 2] * dx + R[j, 1, 2] * dy + R[j, 2, 2] * dz
+    for c in range(first, end):
+        x, y, z = s.clusters[c, 0], s.clusters[c, 1], s.clusters[c, 2]
+        if not _reaches(
+            f,
+            k,
+            t0 + a00 * x + a01 * y + a02 * z,
+            t1 + a10 * x + a11 * y + a12 * z,
+            t2 + a20 * x + a21 * y + a22 * z,
+            s.clusters[c, 3],
+        ):
+            continue
+        for m in range(s.cluster_start[c], s.cluster_start[c + np.uintp(1)]):
+            x, y, z = s.spheres[m, 0], s.spheres[m, 1], s.spheres[m, 2]
+            if _reaches(
+                f,
+                k,
+                t0 + a00 * x + a01 * y + a02 * z,
+                t1 + a10 * x + a11 * y + a12 * z,
+                t2 + a20 * x + a21 * y + a22 * z,
+                s.spheres[m, 3],
+            ):
+                return True
+    return False
+
+
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def is_free(
     chain: ChainArrays,
@@ -183,13 +298,13 @@ def is_free(
     for back in range(q.shape[0] - w.active_from):
         i = last - back
         x, y, z = _place(R, p, i, s.links, i)
-        count = _shortlist(w, i, x, y, z, s.links[i, 3] + w.margin, near)
+        count = _shortlist(w, x, y, z, s.links[i, 3] + w.margin, near)
         if count == 0:
             continue
         for c in range(s.link_start[i], s.link_start[i + 1]):
             if _cluster_hits(s, w, R, p, i, c, near, count):
                 return False
-    return True
+    return not _meets_itself(chain.fields, s, q, R, p)
 
 
 @njit(cache=True, error_model="numpy")
@@ -198,7 +313,7 @@ def free_batch(
 ) -> BoolArray:
     """Which configurations (k, dof) are free."""
     count, dof = configurations.shape
-    R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
+    R, p = np.empty((dof + 1, 3, 3)), np.empty((dof + 1, 3))
     near = np.empty(2 * w.centre.shape[0], dtype=np.uintp)
     result = np.empty(count, dtype=np.bool_)
     for n in range(count):
@@ -219,7 +334,7 @@ def hands_free(s: SphereArrays, w: WorldArrays, last_link_frames: Array) -> Bool
             for j in range(3):
                 R[last, i, j] = last_link_frames[n, i, j]
         x, y, z = _place(R, p, last, s.links, last)
-        count = _shortlist(w, last, x, y, z, s.links[last, 3] + w.margin, near)
+        count = _shortlist(w, x, y, z, s.links[last, 3] + w.margin, near)
         for c in range(s.link_start[last], s.link_start[last + 1]):
             if _cluster_hits(s, w, R, p, last, c, near, count):
                 result[n] = False
@@ -279,7 +394,7 @@ def edges_batch(
 ) -> BoolArray:
     """Which straight motions between configurations (k, dof), both ends included, are free."""
     count, dof = starts.shape
-    R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
+    R, p = np.empty((dof + 1, 3, 3)), np.empty((dof + 1, 3))
     near = np.empty(2 * w.centre.shape[0], dtype=np.uintp)
     checks = np.zeros(1, dtype=np.int64)
     result = np.empty(count, dtype=np.bool_)
@@ -305,7 +420,7 @@ def sweep_heights(
     nearest point of its square to each sphere, so nothing is missed.
     """
     dof = path.shape[1]
-    R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
+    R, p = np.empty((dof + 1, 3, 3)), np.empty((dof + 1, 3))
     q = np.empty(dof)
     for n in range(path.shape[0]):
         steps = 1

@@ -84,7 +84,7 @@ def connect(
     dof, room = nodes.shape[2], nodes.shape[1] - 2
     counts = np.empty(2, dtype=np.int64)
     counts[0], counts[1] = 1, roots
-    R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
+    R, p = np.empty((dof + 1, 3, 3)), np.empty((dof + 1, 3))
     near = np.empty(2 * w.centre.shape[0], dtype=np.uintp)
     q = np.empty(dof)
     # Often the straight line to the nearest goal is all it takes.
@@ -134,7 +134,7 @@ def shortcut(
     for two more corners a try. Returns the new count, and whether the result is in ``fresh``.
     """
     dof = current.shape[1]
-    R, p = np.empty((dof, 3, 3)), np.empty((dof, 3))
+    R, p = np.empty((dof + 1, 3, 3)), np.empty((dof + 1, 3))
     near = np.empty(2 * w.centre.shape[0], dtype=np.uintp)
     a, b = np.empty(dof), np.empty(dof)
     swapped = False

@@ -30,22 +30,19 @@ class _Placed(NamedTuple):
 
 
 class Surroundings:
-    """The robot's own body, the fixtures and the objects of one scene, in this order."""
+    """The fixtures and the objects of one scene, in this order."""
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:
         T_world_base = matrix_from_pose(scene.T_world_base)
-        boxes = [T_world_base @ b.T_base_box for b in arm.body]
-        still = np.array([*boxes, *(matrix_from_pose(f.pose) for f in scene.fixtures)])
+        still = np.array([matrix_from_pose(f.pose) for f in scene.fixtures])
         still = still.reshape(-1, 4, 4)
         items = [(f.name, f.shape) for f in scene.fixtures]
         items += [(o.name, o.shape) for o in scene.objects]
-        shapes = [*(Box(b.size) for b in arm.body), *(shape for _, shape in items)]
-        self._body, self._still_count = len(boxes), len(still)
+        shapes = [shape for _, shape in items]
+        self._still_count = len(still)
         self._names = [name for name, _ in items]
         self._half = np.array([_half_extents(shape) for shape in shapes]).reshape(-1, 3)
         self._round = np.array([int(not isinstance(s, Box)) for s in shapes], dtype=np.int64)
-        first_links = [b.first_link for b in arm.body] + [0] * len(items)
-        self._first_link = np.array(first_links, dtype=np.int64)
         self._still = _placed(still[:, :3, 3], still[:, :3, :3], self._half[: len(still)])
         self._stretch = _Stretch(arm, T_world_base)
 
@@ -58,12 +55,12 @@ class Surroundings:
         )
         both = zip(self._still, moving, strict=True)
         placed = _Placed(*(np.concatenate(parts) for parts in both))
-        half, rounded, first_link = self._half, self._round, self._first_link
+        half, rounded = self._half, self._round
         if ignore:
             kept = self._kept(ignore)
             placed = _Placed(*(part[kept] for part in placed))
-            half, rounded, first_link = half[kept], rounded[kept], first_link[kept]
-        low, high = placed.low[self._body :], placed.high[self._body :]
+            half, rounded = half[kept], rounded[kept]
+        low, high = placed.low, placed.high
         return WorldArrays(
             placed.centre,
             placed.rotation,
@@ -71,20 +68,16 @@ class Surroundings:
             rounded,
             placed.low,
             placed.high,
-            first_link,
-            self._body,
             low.min(axis=0) if len(low) else np.zeros(3),
             high.max(axis=0) if len(high) else np.zeros(3),
             margin,
-            self._stretch.first_active(placed.low, placed.high, first_link, margin),
+            self._stretch.first_active(placed.low, placed.high, margin),
         )
 
     def _kept(self, ignore: Collection[str]) -> IntArray:
         """Places of what is not ignored."""
-        names = enumerate(self._names, start=self._body)
-        return np.array(
-            [*range(self._body), *(i for i, name in names if name not in ignore)], dtype=np.int64
-        )
+        names = enumerate(self._names)
+        return np.array([i for i, name in names if name not in ignore], dtype=np.int64)
 
 
 def _placed(centre: Array, rotation: Array, half: Array) -> _Placed:
@@ -110,19 +103,19 @@ class _Stretch:
         self._reaches = np.array(reaches)
         self._numbers = np.arange(1, len(links))
 
-    def first_active(self, low: Array, high: Array, first_link: IntArray, margin: float) -> int:
-        """The first link that could touch what it is checked for, bounds ``low``, ``high`` (p, 3).
+    def first_active(self, low: Array, high: Array, margin: float) -> int:
+        """The first link that could touch something with bounds ``low``, ``high`` (p, 3).
 
-        ``first_link`` (p,): the first link that each is checked for; ``margin`` in m.
+        ``margin`` in m.
         """
         if self._slides or not len(self._numbers):
             return 0
         around = np.all((low - margin <= self._high) & (high + margin >= self._low), axis=1)
-        if (around & (first_link == 0)).any():
+        if around.any():
             return 0
         gaps = np.maximum(np.maximum(low - self._root, self._root - high), 0.0)
         near = np.linalg.norm(gaps, axis=1) <= (self._reaches + margin)[:, None]
-        reached = (near & (first_link <= self._numbers[:, None])).any(axis=1)
+        reached = near.any(axis=1)
         return int(self._numbers[np.argmax(reached) if reached.any() else -1])
 
 

@@ -21,6 +21,7 @@ from mamo_core.types.scene import SceneState
 from mamo_mujoco.engine import MuJoCoWorld
 from mamo_mujoco.fingers import FrictionHold
 from mamo_mujoco.options import MuJoCoOptions
+from mamo_mujoco.own_contacts import is_own
 from mamo_mujoco.world import build_model, index_of
 
 
@@ -112,7 +113,8 @@ class MuJoCoWorlds:
         frictions.update(parameters.frictions)
         for name in parameters.frictions:
             model.geom_friction[model.geom(name).id, 0] = frictions[name]
-        for pair in range(model.npair):
-            one, other = model.pair(pair).name.split("|")
+        pairs = enumerate(model.pair(n).name for n in range(model.npair))
+        for pair, name in ((n, name) for n, name in pairs if not is_own(name)):
+            one, other = name.split("|")
             model.pair_friction[pair, :2] = frictions[one] * frictions[other]
         mujoco.mj_setConst(model, mujoco.MjData(model))

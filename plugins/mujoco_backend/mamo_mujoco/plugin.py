@@ -38,6 +38,7 @@ def mamo_backends() -> Iterable[Component]:
                     "friction_grasps",
                     "friction_product",
                     "parameter_overrides",
+                    "self_contact",
                     "tool_pose",
                 }
             ),

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 
 from mamo_core.interfaces.renderer import Shot
-from mamo_core.robots.model import ArmModel, BodyBox, LinkModel
+from mamo_core.robots.model import ArmModel, LinkModel
 from mamo_core.types.geometry import Array, Box, Shape, matrix_from_pose, pose_from_matrix
 from mamo_core.types.problem import Problem
 from mamo_core.types.recording import Recording
@@ -96,17 +97,12 @@ def _add_light(spec: Any, problem: Problem, shot: Shot) -> None:
 def _add_robot(spec: Any, problem: Problem, arm: ArmModel) -> None:
     base = spec.worldbody.add_body(**_frame(matrix_from_pose(problem.scene.T_world_base)))
     for part in arm.body:
-        _add_body_box(base, part)
+        _add_surfaces(spec, base, part.meshes, rgba(_BODY))
     bodies: list[Any] = []
     for number, link in enumerate(arm.links):
         parent = base if link.parent < 0 else bodies[link.parent]
         is_hand = number == arm.tool_link or link.coordinate < 0
         bodies.append(_add_link(spec, parent, link, rgba(_HAND if is_hand else _ARM)))
-
-
-def _add_body_box(base: Any, part: BodyBox) -> None:
-    body = base.add_body(**_frame(part.T_base_box))
-    _add_geom(body, mujoco.mjtGeom.mjGEOM_BOX, part.size / 2.0, rgba(_BODY))
 
 
 def _add_link(spec: Any, parent: Any, link: LinkModel, color: Array) -> Any:
@@ -121,14 +117,18 @@ def _add_link(spec: Any, parent: Any, link: LinkModel, color: Array) -> Any:
     )
     kind = mujoco.mjtJoint.mjJNT_SLIDE if link.prismatic else mujoco.mjtJoint.mjJNT_HINGE
     body.add_joint(name=joint_name(link), type=kind, axis=link.axis)
-    for mesh in link.meshes:
+    _add_surfaces(spec, body, link.meshes, color)
+    return body
+
+
+def _add_surfaces(spec: Any, body: Any, meshes: Sequence[Path], color: Array) -> None:
+    for mesh in meshes:
         # Surfaces with holes have no volume.
         spec.add_mesh(
             name=mesh.stem, file=str(mesh), inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
         )
         geom = _add_geom(body, mujoco.mjtGeom.mjGEOM_MESH, None, color)
         geom.meshname = mesh.stem
-    return body
 
 
 def _add_objects(spec: Any, problem: Problem, shot: Shot, engine: int) -> None:

@@ -23,6 +23,7 @@ from mamo_core.types.scene import Mobility
 from mamo_mujoco.clearance import add_immovable_pairs, keep_clear
 from mamo_mujoco.fingers import add_finger_servo, add_servo, couple_fingers
 from mamo_mujoco.options import MuJoCoOptions
+from mamo_mujoco.own_contacts import add_body, add_own_pairs
 
 _ROBOT, _OBJECT, _FIXTURE = 1, 2, 4
 _COLLIDES_WITH = {
@@ -159,6 +160,8 @@ def _add_arm(spec: Any, problem: Problem, arm: ArmModel, options: MuJoCoOptions)
             _add_servo(spec, arm, link, options)
         else:
             add_finger_servo(spec, link, arm, options.time_step)
+    add_body(spec, base, arm)
+    add_own_pairs(spec, arm)
 
 
 def _add_link(spec: Any, parent: Any, link: LinkModel, options: MuJoCoOptions) -> Any:

@@ -238,7 +238,7 @@ class PyBulletWorld(SimulatedWorld):
         for point in points:
             one, other = entity[point[_BODY_A]], entity[point[_BODY_B]]
             pair = (min(one, other), max(one, other))
-            if point[_DISTANCE] <= 0.0 and one != other:
+            if point[_DISTANCE] <= 0.0:
                 deepest[pair] = max(deepest.get(pair, 0.0), -point[_DISTANCE])
         if not deepest:
             return NO_CONTACTS, NO_DEPTHS

@@ -110,7 +110,7 @@ def _add_arm(bodies: Bodies, client: int) -> int:
             basePosition=pose[:3].tolist(),
             baseOrientation=xyzw(pose),
             useFixedBase=1,
-            flags=pybullet.URDF_USE_INERTIA_FROM_FILE,
+            flags=pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_SELF_COLLISION,
             physicsClientId=client,
         )
     for link in range(-1, pybullet.getNumJoints(robot, physicsClientId=client)):
@@ -124,7 +124,21 @@ def _add_arm(bodies: Bodies, client: int) -> int:
             angularDamping=0.0,
             physicsClientId=client,
         )
+    _choose_own_pairs(bodies.arm, robot, client)
     return robot
+
+
+def _choose_own_pairs(arm: ArmModel, robot: int, client: int) -> None:
+    """Only the arm's ``hull_pairs`` are looked at of all pairs of the robot's own."""
+    count = pybullet.getNumJoints(robot, physicsClientId=client)
+    infos = [pybullet.getJointInfo(robot, j, physicsClientId=client) for j in range(count)]
+    joint = {info[1].decode(): info[0] for info in infos}
+    names = [*(link.name for link in arm.links), *(f"body_{part.name}" for part in arm.body)]
+    chosen = {frozenset((joint[names[a]], joint[names[b]])) for a, b in arm.hull_pairs}
+    for one in range(-1, count):
+        for other in range(one + 1, count):
+            meet = int(frozenset((one, other)) in chosen)
+            pybullet.setCollisionFilterPair(robot, robot, one, other, meet, physicsClientId=client)
 
 
 def _add_object(bodies: Bodies, place: int, pose: Array, client: int) -> int:

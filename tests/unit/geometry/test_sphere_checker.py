@@ -136,12 +136,14 @@ def test_margin(shelf, checker, reaching):
 
 
 def test_the_own_body_is_in_the_way(arm, checker, exact, shelf):
-    """The arm folded into the torso; the exact checker does not know the body."""
+    """The arm folded into the torso, far from all objects."""
     poses = shelf.initial.object_poses
     q = arm.home.copy()
     q[0], q[1] = 0.7, 1.2
     assert not checker.world(poses, opening=0.0).free(q)[0]
-    assert exact.world(poses, opening=0.0).free(q)[0]
+    world = exact.world(poses, opening=0.0)
+    assert not world.free(q)[0]
+    assert world.first_touched(q) is None
 
 
 def test_edges(shelf, checker, exact, reaching):

@@ -10,6 +10,7 @@ from mamo_core.interfaces.collision_checker import HeldObject
 from mamo_core.problems import generate_shelf
 from mamo_core.robots import load_arm
 from mamo_core.robots.exact_collision import ExactChecker, _boxes_meet
+from mamo_core.robots.self_collision import SelfCollisions
 from mamo_core.types.geometry import Box, make_pose, matrix_from_pose
 
 
@@ -89,11 +90,13 @@ def test_boxes_that_just_touch_meet():
             assert not _boxes_meet(R, half, R, half, way * (1.0 + 1e-6))[0]
 
 
-def test_a_world_without_obstacles_is_free(arm, shelf, configurations):
+def test_a_world_without_obstacles_is_free_but_for_the_robot_itself(arm, shelf, configurations):
     world = ExactChecker(shelf.scene, arm).world(
         shelf.initial.object_poses, opening=0.05, ignore=shelf.scene.entities
     )
-    assert world.free(configurations).all()
+    own = SelfCollisions(arm).free(configurations, 0.05)
+    assert np.array_equal(world.free(configurations), own)
+    assert 0 < own.sum() < len(own)
     assert world.first_touched(configurations) is None
 
 

@@ -362,6 +362,7 @@ BROKEN_ENGINES = {
     "stall": with_models(NeverStalls),
     "robot_touches_immovable": with_models(Late),
     "robot_touches_target": with_models(blind_to(constraint="contact", other="target")),
+    "robot_touches_itself": with_models(blind_to(constraint="contact", other="robot")),
     "robot_touches_fixture": with_models(blind_to(constraint="contact", other="rail")),
     "object_touches_immovable": with_models(TurnsPairsRound),
     "object_touches_target": with_models(blind_to(constraint="contact", subject="b")),

@@ -155,6 +155,33 @@ def test_joint_limit(failures, planner, plan):
     mentions(found, f"motion 0 (transit): {robot.joint_names[joint]} exceeds its limit by ")
 
 
+def test_a_way_through_the_own_torso(problem, planner, plan):
+    """A sweep, which may touch things, but not the robot itself."""
+    home, motion = problem.home, plan.actions[0].motion
+    inside = home.copy()
+    inside[0], inside[1] = 0.7, 1.2
+    way = np.vstack([np.linspace(home, inside, 30), np.linspace(inside, home, 30)[1:]])
+    detour = MotionSegment(
+        SegmentKind.SWEEP, Trajectory(np.linspace(0.0, 12.0, len(way)), way), motion.opening
+    )
+    changed = with_action(plan, replace(motion, segments=(detour, *motion.segments)))
+    report = verify(problem, changed, planner.context.backend, planner.context.robot)
+    assert not report.ok
+    # As an engine that sees no contacts would have executed it.
+    executed = [
+        replace(
+            report.rollout,
+            violations=(),
+            stalled=False,
+            segment_states=(problem.initial,) * len(m.segments),
+        )
+        for m in changed.motions
+    ]
+    blind = verify_executed(problem, changed, executed, planner.context.robot)
+    assert "self_collision" in blind.kinds
+    mentions(blind.failures, " collides with ")
+
+
 def test_velocity_limit(failures, plan):
     motion = plan.actions[0].motion
     hurried = [

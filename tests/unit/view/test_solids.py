@@ -4,7 +4,7 @@ import pytest
 from mamo_core.testing.gantry_arm import gantry_arm
 from mamo_core.types.geometry import Box, Cylinder
 from mamo_core.types.region import SweptRegion
-from mamo_core.view.solids import link_mesh, region_mesh, shape_mesh
+from mamo_core.view.solids import part_mesh, region_mesh, shape_mesh
 
 
 def region(lowest):
@@ -18,8 +18,8 @@ def test_shapes_have_their_extents():
 
 def test_links_have_the_surfaces_of_all_their_files():
     arm = gantry_arm()
-    assert link_mesh(arm.links[0]) is None
-    mesh = link_mesh(arm.links[3])
+    assert part_mesh(arm.links[0]) is None
+    mesh = part_mesh(arm.links[3])
     assert len(mesh.faces) == 2 * 12
     assert mesh.bounds[1, 2] == pytest.approx(0.32)
 
