@@ -12,7 +12,7 @@ from mamo_core.robots.contact_free import check_meshes
 from mamo_core.robots.exact_collision import ExactChecker
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.self_collision import check_self_collisions
-from mamo_core.types.motion import Motion, MotionSegment
+from mamo_core.types.motion import Motion, MotionSegment, SegmentKind
 from mamo_core.types.problem import Problem, Task
 from mamo_core.types.rollout import ParameterOverrides, RolloutResult
 from mamo_core.types.scene import Mobility
@@ -24,6 +24,14 @@ from mamo_core.verify_replays import check_replays
 from mamo_core.verify_task import check_grasp, check_reached, check_retrieved
 
 _CONTINUITY = 1e-6
+_CONTACT_FREE = (
+    SegmentKind.TRANSIT,
+    SegmentKind.GRIPPER,
+    SegmentKind.REACH,
+    SegmentKind.LIFT,
+    SegmentKind.CARRY,
+)
+"""Segments in which the arm touches nothing but what it closes on, holds or lets go of."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,8 +195,16 @@ def _rollout_failures(rollout: RolloutResult) -> dict[str, list[str]]:
 
 
 def check_form(problem: Problem, plan: Plan) -> list[str]:
-    """Actions move movable objects; a retrieval, and it alone, holds the target to the end."""
-    failures = []
+    """Actions move movable objects; a retrieval, and it alone, holds the target to the end.
+
+    What is contact-free follows from what a segment is for; a plan cannot say otherwise.
+    """
+    failures = [
+        f"{segment.kind}: a segment of this kind touches nothing, and this one may"
+        for motion in plan.motions
+        for segment in motion.segments
+        if segment.kind in _CONTACT_FREE and not segment.contact_free
+    ]
     movable = {o.name for o in problem.scene.objects if o.mobility is Mobility.MOVABLE}
     target = problem.scene.objects[problem.scene.target_index].name
     for number, action in enumerate(plan.actions):

@@ -27,6 +27,9 @@ class SimulatedWorld(ABC):
     little narrower than it should be is pressed all the same.
     """
 
+    pinch: float = 0.001
+    """The same while the object is held: a weld needs no fingers, friction all of their force."""
+
     time_step: float
     """Simulated seconds of one ``step``."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mamo_core.interfaces.collision_checker import CollisionChecker, HeldObject
+from mamo_core.robots.exact_collision import ExactWorld
 from mamo_core.robots.kinematics import tool_transform
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.timing import sampled
@@ -37,7 +38,11 @@ def passes(
         # The fingers move during a segment: both ends of their way are checked.
         for width in {before, segment.opening}:
             world = checker.world(state.object_poses, opening=width, ignore=ignore, held=carried)
-            if not world.free(rows).all():
+            # Whether the arm meets itself does not depend on the world, and is asked elsewhere.
+            if isinstance(world, ExactWorld):
+                if world.first_touched(rows) is not None:
+                    return False
+            elif not world.free(rows).all():
                 return False
         before = segment.opening
     return True

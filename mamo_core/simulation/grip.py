@@ -10,10 +10,12 @@ def in_hand(segment: MotionSegment) -> str | None:
     return segment.held if segment.held is not None else segment.closes_on
 
 
-def commanded(segment: MotionSegment, before: float, squeeze: float) -> float:
+def commanded(segment: MotionSegment, before: float, squeeze: float, pinch: float) -> float:
     """The gap (m) that the fingers are sent to by the end of a segment, from ``before`` (m) on.
 
-    ``squeeze`` (m): as a world has it; fingers that press do not get there.
+    ``squeeze``, ``pinch`` (m): as a world has them; fingers that press do not get there.
     """
+    if segment.held is not None:
+        return segment.opening - pinch
     closing = segment.closes_on is not None and segment.opening < before
-    return segment.opening - squeeze if segment.held is not None or closing else segment.opening
+    return segment.opening - squeeze if closing else segment.opening

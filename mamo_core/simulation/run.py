@@ -89,7 +89,7 @@ class MotionRun:
         """Execute one segment; False if the rollout ends here."""
         self._hold(segment.held)
         self._in_hand = self._place(in_hand(segment))
-        told = commanded(segment, self.opening, self._world.squeeze)
+        told = commanded(segment, self.opening, self._world.squeeze, self._world.pinch)
         trajectory = segment.trajectory
         count = int(np.ceil(trajectory.duration / self._step - 1e-9))
         times = np.arange(1, count + 1, dtype=np.float64) * self._step

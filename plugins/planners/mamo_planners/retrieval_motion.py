@@ -73,7 +73,13 @@ class RetrievalMotion:
                 held=name,
                 contact_free=True,
             ),
-            MotionSegment(SegmentKind.CARRY, carried, width, held=name, contact_free=contact_free),
+            MotionSegment(
+                SegmentKind.CARRY if contact_free else SegmentKind.SWEEP,
+                carried,
+                width,
+                held=name,
+                contact_free=contact_free,
+            ),
         )
 
     def _reach_speed(self, chosen: Candidate) -> float:

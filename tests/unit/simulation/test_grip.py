@@ -7,7 +7,7 @@ from mamo_core.simulation.grip import commanded, in_hand
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 
 STILL = Trajectory(np.array([0.0, 0.5]), np.zeros((2, 7)))
-SQUEEZE = 0.008
+SQUEEZE, PINCH = 0.008, 0.002
 
 
 def segment(opening, **changes):
@@ -20,11 +20,11 @@ def segment(opening, **changes):
         ({}, 0.07, 0.06),
         ({"closes_on": "a"}, 0.07, 0.052),  # closes, and presses
         ({"closes_on": "a"}, 0.052, 0.06),  # lets go
-        ({"held": "a"}, 0.052, 0.052),
+        ({"held": "a"}, 0.052, 0.058),
     ],
 )
 def test_fingers_press_what_they_close_on_and_hold(changes, before, expected):
-    assert commanded(segment(0.06, **changes), before, SQUEEZE) == pytest.approx(expected)
+    assert commanded(segment(0.06, **changes), before, SQUEEZE, PINCH) == pytest.approx(expected)
 
 
 def test_what_is_in_the_hand():
