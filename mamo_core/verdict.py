@@ -61,6 +61,16 @@ class VerifiersEngines:
             return None
         return self._engine_for(self._context.problem, {"grasp": "friction"})
 
+    @property
+    def unasked(self) -> tuple[str, ...]:
+        """In words, what this engine cannot be asked."""
+        welds = "whether fingers and friction hold what is carried: the engine welds it"
+        coarse = "whether the plan holds at finer steps: the engine has no time step as an option"
+        return (
+            *((welds,) if FRICTION_GRASPS not in self._provides else ()),
+            *((coarse,) if self._step is None else ()),
+        )
+
     def replays(
         self, problem: Problem | None = None, wider: Deviation = NEAR, extra: int = 0
     ) -> tuple[Replay, ...]:
@@ -130,6 +140,7 @@ def make_verifier(context: BuildContext, engines: VerifiersEngines) -> PlanVerif
             report = verify_replays(report, problem, plan, engines.replays(), robot, parameters)
         if report.ok and friction and engines.friction is not None and _holds_something(plan):
             report = verify_by_friction(report, problem, plan, engines.friction, robot)
+        report = replace(report, unasked=engines.unasked)
         for name, other in context.accept_in:
             if not report.ok:
                 break

@@ -40,13 +40,15 @@ class VerifyReport:
 
     ``kinds`` of failures: names of constraints, lost, stalled, mesh, self_collision, grasp,
     not_retrieved, not_reached, replay, friction, form.
-    ``outside_cpu``: CPU seconds that other processes spent.
+    ``outside_cpu``: CPU seconds that other processes spent. ``unasked``: in words, what the engine
+    cannot answer.
     """
 
     failures: tuple[str, ...]
     rollout: RolloutResult | None
     kinds: tuple[str, ...] = ()
     outside_cpu: float = 0.0
+    unasked: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
