@@ -84,6 +84,7 @@ def _print(
             "world": world,
             "verified": report.ok,
             "failures": list(report.failures),
+            "unasked": list(report.unasked),
         }
         print_json("verify", result)
         return
@@ -91,5 +92,6 @@ def _print(
     lines = [
         f"{path}: {verdict} with {engine}, in the world of {world}",
         *(f"  {text}" for text in report.failures),
+        *(f"  not asked: {text}" for text in report.unasked),
     ]
     sys.stdout.write("\n".join(lines) + "\n")
