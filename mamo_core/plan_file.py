@@ -115,6 +115,12 @@ def read_plan_text(text: str, source: str) -> PlanDocument:
 def _read(located: Located, source: str) -> PlanDocument:
     from mamo_core.problems.documents import problem_from_document
 
+    version = located.data.get("schema_version") if isinstance(located.data, dict) else None
+    if isinstance(version, int) and version < SCHEMA_VERSION:
+        raise located.error(
+            f"schema_version: {version}, expected {SCHEMA_VERSION}: it says too little of its "
+            "trajectories and grasps to be verified, plan the problem again"
+        )
     raw = validated(PlanFile, located)
     problem = problem_from_document(located.data["problem"], f"{source}: problem")
     try:
