@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,7 @@ from mamo_core.recording import read_recording, record, write_recording
 from mamo_core.robots import load_arm
 from mamo_core.types.recording import Recording
 from mamo_core.view.renderers import renderer_for
+from mamo_core.view.swept import with_region
 
 if TYPE_CHECKING:
     from mamo_core.interfaces.transition_model import TransitionModel
@@ -32,7 +34,7 @@ def run_view(order: ViewOrder, *, as_json: bool) -> int:
     """Record, or read a recording, and write every view of it; the exit code."""
     check_order(order, as_json=as_json)
     with progress() as tell:
-        recording = _recording(order, tell)
+        recording = _with_region(_recording(order, tell))
         for kind, path in order.files.items():
             tell(f"writing {path}")
             _write(kind, path, recording, order)
@@ -52,6 +54,12 @@ def _recording(order: ViewOrder, tell: ProgressCallback) -> Recording:
         return record(document.problem, document.plan, models, robot)
     except ValueError as error:
         raise InputError(f"{order.subject}: {error}") from None
+
+
+def _with_region(recording: Recording) -> Recording:
+    """A recording of a plan from a file, which does not say what its last motion sweeps."""
+    robot = load_arm(recording.problem.scene.robot)
+    return replace(recording, plan=with_region(recording.problem, recording.plan, robot))
 
 
 def _engines(

@@ -12,6 +12,7 @@ from typing import Any
 from mamo_core.atomic import atomic_path
 from mamo_core.plan_file import read_plan
 from mamo_core.problems import problem_from_document
+from mamo_core.robots import load_arm
 from mamo_core.study.analysis import by, ending, namer
 from mamo_core.study.export import file_name
 from mamo_core.study.problems import DOCUMENT
@@ -20,6 +21,7 @@ from mamo_core.study.rows import Row
 from mamo_core.study.store import Store
 from mamo_core.types.problem import Problem
 from mamo_core.types.solution import Plan
+from mamo_core.view.swept import with_region
 from mamo_core.view.topdown import draw
 
 Tell = Callable[[str], None]
@@ -73,7 +75,9 @@ class _Linker:
         is_new = self._write(plan, zlib.decompress(self._plans[row.key]))
         if is_new or not (self._folder / picture).exists():
             document = read_plan(self._folder / plan)
-            self._draw(picture, document.problem, document.plan)
+            problem = document.problem
+            plan = with_region(problem, document.plan, load_arm(problem.scene.robot))
+            self._draw(picture, problem, plan)
         return Links(picture, plan)
 
     def _problem(self, row: Row) -> str | None:

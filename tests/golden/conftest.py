@@ -20,6 +20,7 @@ from mamo_core.interfaces.arm_planner import ArmPlan, ArmPlanner, ArmPlanStatus
 from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld
 from mamo_core.interfaces.mapf_solver import MAPFSolver
 from mamo_core.interfaces.transition_model import RolloutOptions
+from mamo_core.robots.limits import JointLimits
 from mamo_core.testing.fakes import StraightPush, StraightRetrieval
 from mamo_core.testing.gantry import GantryKinematics
 from mamo_core.testing.quasi_static import QuasiStaticModel
@@ -148,7 +149,8 @@ class Search:
         self.search = KINDS[kind](parts, options)
 
     def _execution(self, statistics, budget, rng):
-        arm = SimpleNamespace(gripper=SimpleNamespace(closed=0.0), velocity=np.ones(4))
+        limits = JointLimits(np.ones(4), np.full(4, 10.0), np.full(4, 1000.0))
+        arm = SimpleNamespace(gripper=SimpleNamespace(closed=0.0), limits=limits)
         engines = [Engine(name, model) for name, model in [("own", self.model), *self.others]]
         tolerated = 0
         if self.uncertainty is not None:

@@ -47,4 +47,11 @@ def test_there_is_something_to_repeat(plan_files):
 def test_another_process_verifies_it(plan_files):
     done = mamo("verify", plan_files[0])
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout == f"{plan_files[0]}: verified with mujoco\n"
+    words = f"{plan_files[0]}: verified with mujoco, in the world of the plan file itself\n"
+    assert done.stdout == words
+
+
+def test_it_holds_in_the_world_that_a_user_names(plan_files):
+    done = mamo("verify", plan_files[0], "--problem", SMALL)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout == f"{plan_files[0]}: verified with mujoco, in the world of {SMALL}\n"
