@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,14 +16,24 @@ from mamo_core.types.geometry import Array
 CELL = 0.0125
 """Side of a cell, m."""
 
-STEP = 0.002
+HALF_DIAGONAL = CELL * math.sqrt(3.0) / 2.0
+"""No point of a cell is farther from its centre, m."""
+
+CURVATURE = 3.0 * CELL**2 / 8.0
+"""How far values between centres may be above the distance, times that distance, m^2.
+
+Linear values over a cube are above a function by no more than 3 h^2 / 8 of its largest second
+derivative, and that of a distance d to whatever surface is nowhere above 1 / d.
+"""
+
+STEP = 0.001
 """What a number in a cell stands for, m; the largest is 255 of them."""
 
 PAD = 0.125
 """How far the grid reaches beyond the surface, m: no less than the largest sphere of a cover."""
 
-_NEAR = 0.04
-_EDGE = 0.006
+_NEAR = 0.08
+_EDGE = 0.003
 _REACH = _EDGE / np.sqrt(3.0)
 """No point of a triangle is further from its nearest corner than edge / sqrt(3)."""
 
@@ -33,7 +44,7 @@ class DistanceField:
 
     ``frame``: number of the link in whose frame it is, -1 for the base. ``links``: numbers of the
     links that are checked against it; a held object is checked against all fields. ``origin``
-    (3,): corner of the grid. ``values`` (nx, ny, nz) uint8: no point of a cell is nearer to the
+    (3,): corner of the grid. ``values`` (nx, ny, nz) uint8: the centre of a cell is no nearer to the
     surface than so many ``STEP``; 0 within what is solid. ``lower``, ``upper`` (3,): bounds of the
     surface, ``PAD`` at least inside of the grid's.
     """
@@ -66,7 +77,7 @@ def measure_field(
 
 
 def _bounds(samples: Array, origin: Array, counts: tuple[int, ...], centres: Array) -> Array:
-    """What no point of a cell (k,) is nearer to the surface than, m; it may be below 0.
+    """What centres of cells (k, 3) are no nearer to the surface than (k,), m; it may be below 0.
 
     From cell to cell at first; near the surface, where it matters, from the nearest sample.
     """
@@ -75,12 +86,11 @@ def _bounds(samples: Array, origin: Array, counts: tuple[int, ...], centres: Arr
 
     empty = np.ones(counts, dtype=np.bool_)
     empty[tuple(np.floor((samples - origin) / CELL).astype(int).T)] = False
-    # A sample stands for all within its reach, a centre for all of its cell.
-    half = CELL * np.sqrt(3.0) / 2.0
-    bounds: Array = distance_transform_edt(empty, sampling=CELL).ravel() - 2.0 * half - _REACH
+    # A sample stands for all within its reach, and for an occupied cell it may be at the edge.
+    bounds: Array = distance_transform_edt(empty, sampling=CELL).ravel() - HALF_DIAGONAL - _REACH
     near = np.flatnonzero(bounds < _NEAR)
     distances, _ = cKDTree(samples).query(centres[near])
-    bounds[near] = distances - half - _REACH
+    bounds[near] = distances - _REACH
     return bounds
 
 

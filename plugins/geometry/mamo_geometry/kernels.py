@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from mamo_core.robots.distance_field import CELL, PAD, STEP
+from mamo_core.robots.distance_field import CELL, CURVATURE, HALF_DIAGONAL, PAD, STEP
 from mamo_core.types.geometry import Array, BoolArray, IntArray
 from mamo_geometry.arrays import ChainArrays, FieldArrays, SphereArrays, WorldArrays
 
@@ -183,7 +183,42 @@ def _reaches(f: FieldArrays, k: int, x: float, y: float, z: float, r: float) -> 
         return r > PAD
     # Without a sign: Python's negative indices would cost as much as all the rest.
     at = np.uintp(u) * f.strides[k, 0] + np.uintp(v) * f.strides[k, 1] + np.uintp(w)
-    return f.cells[f.start[k] + at] * STEP < r
+    return f.cells[f.start[k] + at] * STEP - HALF_DIAGONAL < r
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _apart(f: FieldArrays, k: int, x: float, y: float, z: float, r: float) -> bool:
+    """Whether a ball that ``_reaches`` field ``k`` is away from its surface all the same.
+
+    By what lies between the centres of cells around it: dearer and finer.
+    """
+    u = (x - f.origin[k, 0]) * (1.0 / CELL) - 0.5
+    v = (y - f.origin[k, 1]) * (1.0 / CELL) - 0.5
+    w = (z - f.origin[k, 2]) * (1.0 / CELL) - 0.5
+    if (
+        u < 0.0
+        or v < 0.0
+        or w < 0.0
+        or u >= f.counts[k, 0] - 1.0
+        or v >= f.counts[k, 1] - 1.0
+        or w >= f.counts[k, 2] - 1.0
+    ):
+        return False
+    i, j, m = np.uintp(u), np.uintp(v), np.uintp(w)
+    u, v, w = u - i, v - j, w - m
+    s0, s1, one = f.strides[k, 0], f.strides[k, 1], np.uintp(1)
+    a = f.start[k] + i * s0 + j * s1 + m
+    b, c, d = a + s1, a + s0, a + s0 + s1
+    a0, a1, b0, b1 = f.cells[a], f.cells[a + one], f.cells[b], f.cells[b + one]
+    c0, c1, d0, d1 = f.cells[c], f.cells[c + one], f.cells[d], f.cells[d + one]
+    lowest = min(min(min(a0, a1), min(b0, b1)), min(min(c0, c1), min(d0, d1)))
+    nearest = lowest * STEP - HALF_DIAGONAL
+    if nearest <= 0.0:
+        return False
+    ab = (1.0 - v) * ((1.0 - w) * a0 + w * a1) + v * ((1.0 - w) * b0 + w * b1)
+    cd = (1.0 - v) * ((1.0 - w) * c0 + w * c1) + v * ((1.0 - w) * d0 + w * d1)
+    distance = ((1.0 - u) * ab + u * cd) * STEP
+    return (distance - r) * nearest >= CURVATURE
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", forceinline=True)
@@ -265,14 +300,13 @@ def _group_hits(
             continue
         for m in range(s.cluster_start[c], s.cluster_start[c + np.uintp(1)]):
             x, y, z = s.spheres[m, 0], s.spheres[m, 1], s.spheres[m, 2]
-            if _reaches(
-                f,
-                k,
+            x, y, z = (
                 t0 + a00 * x + a01 * y + a02 * z,
                 t1 + a10 * x + a11 * y + a12 * z,
                 t2 + a20 * x + a21 * y + a22 * z,
-                s.spheres[m, 3],
-            ):
+            )
+            r = s.spheres[m, 3]
+            if _reaches(f, k, x, y, z, r) and not _apart(f, k, x, y, z, r):
                 return True
     return False
 
