@@ -145,5 +145,5 @@ def test_a_sweep_through_the_torso_is_found_and_named():
     assert len(found) == 1
     assert found[0].startswith("sweep: ")
     assert " collides with " in found[0]
-    still = replace(segment, trajectory=Trajectory(np.zeros(1), arm.home[None]))
+    still = replace(segment, trajectory=Trajectory.still(arm.home, 0.0))
     assert check_self_collisions(problem.scene, [still], [problem.initial], arm, closed) == []
