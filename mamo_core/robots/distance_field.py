@@ -45,8 +45,8 @@ class DistanceField:
     ``frame``: number of the link in whose frame it is, -1 for the base. ``links``: numbers of the
     links that are checked against it; a held object is checked against all fields. ``origin``
     (3,): corner of the grid. ``values`` (nx, ny, nz) uint8: the centre of a cell is no nearer to
-    the surface than so many ``STEP``; 0 within what is solid. ``lower``, ``upper`` (3,): bounds of the
-    surface, ``PAD`` at least inside of the grid's.
+    the surface than so many ``STEP``; 0 within what is solid. ``lower``, ``upper`` (3,): bounds of
+    the surface, ``PAD`` at least inside of the grid's.
     """
 
     frame: int
