@@ -11,7 +11,7 @@ from mamo_core.plugins import Registry, discover
 
 
 def warm_up(registry: Registry) -> Iterator[str]:
-    """Build the robots we know, then run the ``warm_up`` of every plugin that has one.
+    """Build the robots we know, compile our own kernels, then run every plugin's ``warm_up``.
 
     Plugins compile side by side, each in a process of its own; what they leave is on disk. Yields
     the name of each piece when it is done.
@@ -22,6 +22,8 @@ def warm_up(registry: Registry) -> Iterator[str]:
     with ProcessPoolExecutor(mp_context=context) as pool:
         for robot, _ in _done(pool, _build_robot, list(SPECS)):
             yield f"robot {robot}"
+        pool.submit(_warm_trajectories).result()
+        yield "trajectories"
         for plugin, known in _done(pool, _warm_plugin, list(registry.warm_ups)):
             if not known:
                 registry.warm_ups[plugin]()
@@ -31,8 +33,10 @@ def warm_up(registry: Registry) -> Iterator[str]:
 def load_kernels(registry: Registry, components: Collection[Component] | None = None) -> None:
     """Have this process read what was compiled, so that nothing waits for it later.
 
-    With ``components`` only the plugins that brought one of them are loaded.
+    With ``components`` only the plugins that brought one of them are loaded; what trajectories are
+    made with always is.
     """
+    _warm_trajectories()
     wanted = {
         item.plugin
         for item in registry.registered
@@ -56,6 +60,12 @@ def _build_robot(name: str) -> bool:
 
     load_arm(name)
     return True
+
+
+def _warm_trajectories() -> None:
+    from mamo_core.robots.timing_kernels import warm_up as compile_all
+
+    compile_all()
 
 
 def _warm_plugin(name: str) -> bool:

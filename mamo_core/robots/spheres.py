@@ -13,6 +13,9 @@ _EDGE_SHARE = 0.7
 # No point of a triangle is further from its nearest corner than edge / sqrt(3).
 _REACH_SHARE = _EDGE_SHARE / np.sqrt(3.0)
 
+_AT_ONCE = 1_000
+"""All distances at once would take gigabytes."""
+
 
 def cover_hull(hull: Any, slack: float) -> Array:
     """Spheres (k, 4) x, y, z, r that cover the surface of a convex trimesh.
@@ -26,15 +29,22 @@ def cover_hull(hull: Any, slack: float) -> Array:
     centres = np.vstack([inner, samples])
     inscribed = np.concatenate([depth, np.zeros(len(samples))])
     radii = inscribed + slack
-    covers = cdist(centres, samples) <= (radii - _REACH_SHARE * slack)[:, None]
-    if not covers.any(axis=0).all():
+    # Samples by candidates: what a choice changes are rows.
+    covered = np.empty((len(samples), len(centres)), dtype=np.bool_)
+    for at in range(0, len(samples), _AT_ONCE):
+        distances = cdist(samples[at : at + _AT_ONCE], centres)
+        covered[at : at + _AT_ONCE] = distances <= (radii - _REACH_SHARE * slack)[None, :]
+    if not covered.any(axis=1).all():
         raise ValueError(f"sphere cover: slack {slack} m is too small for this hull")
     chosen: list[int] = []
     missing = np.ones(len(samples), dtype=np.bool_)
+    gains = covered.sum(axis=0)
     while missing.any():
-        best = int(np.argmax(covers[:, missing].sum(axis=1)))
+        best = int(np.argmax(gains))
         chosen.append(best)
-        missing &= ~covers[best]
+        new = missing & covered[:, best]
+        gains -= covered[new].sum(axis=0)
+        missing &= ~new
     return np.column_stack([centres[chosen], radii[chosen]])
 
 

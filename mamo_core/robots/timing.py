@@ -52,8 +52,9 @@ def time_path(
     step, positions, velocities = smooth_rows(
         points,
         durations[moving],
-        np.ascontiguousarray(limits.acceleration),
-        np.ascontiguousarray(limits.jerk),
+        # Copies: read-only arrays would have the kernels compiled once more.
+        np.array(limits.acceleration, dtype=np.float64),
+        np.array(limits.jerk, dtype=np.float64),
         _RAMP,
         ROW_STEP,
         max(int(taps), round(_WINDOW / ROW_STEP)),
