@@ -112,7 +112,7 @@ def test_what_is_in_the_hand_passes_too(problem, context, plan):
     """The same way out, and a post where only the target comes by."""
     checker = ExactChecker(problem.scene, context.robot)
     state = plan_state(problem, context, plan)
-    before, touching, after = plan.retrieval.parts()
+    _, touching, after = plan.retrieval.parts()
     held = context.backend.rollout(state.with_joints(touching.start), touching).final_state
     opening = touching.segments[-1].opening
     scene, robot = problem.scene, context.robot
