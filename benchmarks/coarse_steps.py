@@ -64,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         f"{'valid both':>10} {'only before':>11} {'only now':>8}"
     )
     for way, tally in tallies.items():
-        median, p90 = 1e3 * np.quantile(tally.differences, [0.5, 0.9])
+        median, p90 = 1e3 * np.quantile(tally.differences or [np.nan], [0.5, 0.9])
         counts = [
             tally.verdicts.count(kind) for kind in ((True, True), (True, False), (False, True))
         ]

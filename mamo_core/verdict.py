@@ -15,6 +15,7 @@ import numpy as np
 
 from mamo_core.build_context import BuildContext, EngineFor, PlanVerifier
 from mamo_core.choices import Choice
+from mamo_core.hookspecs import Options
 from mamo_core.interfaces.transition_model import Replay, TransitionModel
 from mamo_core.margin import possible_poses
 from mamo_core.types.deviation import NEAR, Deviation, neighbours
@@ -39,7 +40,7 @@ class VerifiersEngines:
         self, chosen: Choice, context: BuildContext, engines: Callable[[Choice], EngineFor]
     ) -> None:
         """``engines``: what builds a chosen engine for any problem."""
-        plain = replace(chosen, options=chosen.component.options())
+        plain = replace(chosen, options=_own(chosen.options))
         self._context, self._engine_for = context, engines(plain)
         self._step: float | None = getattr(plain.options, "time_step", None)
         self._provides = plain.component.provides
@@ -108,6 +109,13 @@ class VerifiersEngines:
             for words, part in (() if step is None else (("half", step / 2), ("quarter", step / 4)))
         )
         return (*near, *finer)
+
+
+def _own(options: Options) -> Options:
+    """All that have a default have it; the others can only be the recipe's."""
+    fields = type(options).model_fields.items()
+    needed = {name: getattr(options, name) for name, field in fields if field.is_required()}
+    return type(options)(**needed)
 
 
 def make_verifier(context: BuildContext, engines: VerifiersEngines) -> PlanVerifier:

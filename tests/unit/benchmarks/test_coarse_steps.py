@@ -9,5 +9,10 @@ def test_a_row_for_each_way(capsys):
     assert "CPU, share" in first
     assert [row[:22].strip() for row in rows] == list(coarse_steps.WAYS)
     for row in rows:
-        assert sum(int(count) for count in row.split()[-3:]) <= 12
-        assert all(float(word) > 0 for word in row[22:].split()[:3])
+        cpu, *apart, both, before, now = row[22:].split()
+        assert int(both) + int(before) + int(now) <= 12
+        assert float(cpu) > 0.0
+        if int(both) == 0:
+            assert apart == ["nan", "nan"]
+        else:
+            assert all(float(word) > 0.0 for word in apart)

@@ -13,8 +13,9 @@ PROBLEM = Path(__file__).parents[3] / "problems/shelf_5_easy_seed1.yaml"
 @pytest.fixture(scope="module")
 def plan(tmp_path_factory):
     path = tmp_path_factory.mktemp("near_truth") / "plan.json"
+    robust = ["--planner", "m4m", "--set", "search.nearby={}"]
     with pytest.raises(SystemExit) as end:
-        main(["plan", str(PROBLEM), "--planner", "m4m", "-o", str(path)])
+        main(["plan", str(PROBLEM), *robust, "-o", str(path)])
     assert end.value.code == 0
     return path
 

@@ -127,7 +127,18 @@ def fake_what_is_slow(monkeypatch):
 
     # The command line replays; what a search executed itself is nothing for it.
     fakes = {"mamo_core.verify": {"verify": verify, "verify_executed": None}}
+    fakes["mamo_core.verify"] |= {
+        "verify_replays": lambda report, *around: report,
+        "verify_by_friction": None,  # the toys have no engine that could
+    }
+    fakes["mamo_core.margin"] = {
+        "margin_of": lambda *_: {"1 mm": 0.9},
+        "possible_poses": None,
+    }
     fakes["mamo_core.view.topdown"] = {"draw": draw}
+    fakes["mamo_core.view.failure"] = {
+        "draw_failure": lambda problem, path, **words: Path(path).write_text(problem.name)
+    }
     for name, functions in fakes.items():
         module = ModuleType(name)
         vars(module).update(functions)

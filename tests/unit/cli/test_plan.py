@@ -2,6 +2,7 @@
 
 import json
 import os
+from pathlib import Path
 
 import pytest
 
@@ -46,6 +47,7 @@ def test_json_is_the_only_thing_on_stdout(run):
         "explanation": None,
         "plan_file": "plan.json",
         "picture": None,
+        "margin": {"1 mm": 0.9},
     }
 
 
@@ -110,7 +112,7 @@ def test_no_plan_as_json(run):
 
 
 def test_a_plan_that_does_not_pass(run):
-    done = run(*PLAN, "--set", "backend.breaks=true", "-o", "plan.json")
+    done = run(*PLAN, "--set", "backend=toy_wreck", "-o", "plan.json")
     assert done.code == 4
     assert "two_things: verification_failed" in done.out
     assert "tilt: o1 at 1.000 s" in done.out
@@ -119,6 +121,13 @@ def test_a_plan_that_does_not_pass(run):
         ["o1", "push", "3", "no_ik"]
     ]
     assert not os.path.exists("plan.json")
+
+
+def test_options_of_the_recipe_are_not_the_verifiers(run):
+    """Neither to pass, nor to fail."""
+    done = run(*PLAN, "--set", "backend.breaks=true", "-o", "plan.json")
+    assert done.code == 0
+    assert run("verify", "plan.json").code == 0
 
 
 def test_internal_error_is_one_line(run, monkeypatch):
@@ -140,10 +149,13 @@ def test_interrupted(run):
     assert not os.path.exists("plan.json")
 
 
+OWN = "in the world of the plan file itself"
+
+
 def test_verify(run):
     run(*PLAN, "-o", "plan.json")
     done = run("verify", "plan.json")
-    assert (done.code, done.out) == (0, "plan.json: verified with toy_engine\n")
+    assert (done.code, done.out) == (0, f"plan.json: verified with toy_engine, {OWN}\n")
     done = run("verify", "plan.json", "--json")
     assert json.loads(done.out) == {
         "schema_version": 1,
@@ -151,6 +163,7 @@ def test_verify(run):
         "plan_file": "plan.json",
         "problem": "two_things",
         "backend": "toy_engine",
+        "world": "the plan file itself",
         "verified": True,
         "failures": [],
     }
@@ -166,10 +179,10 @@ def edit_plan(change):
 
 def test_verify_fails(run):
     run(*PLAN, "-o", "plan.json")
-    edit_plan(lambda data: data["recipe"].update(backend={"name": "toy_engine", "breaks": True}))
+    edit_plan(lambda data: data["recipe"].update(backend="toy_wreck"))
     done = run("verify", "plan.json")
     assert done.code == 4
-    assert done.out == "plan.json: FAILED with toy_engine\n  tilt: o1 at 1.000 s\n"
+    assert done.out == f"plan.json: FAILED with toy_wreck, {OWN}\n  tilt: o1 at 1.000 s\n"
     assert run("verify", "plan.json", "--backend", "toy_engine").code == 0
 
 
@@ -187,3 +200,27 @@ def test_verify_names_the_recipe_of_the_plan(run):
     done = run("verify", "plan.json")
     assert done.code == 2
     assert done.err == "error: plan.json: recipe: missing key 'search'\n"
+
+
+def test_verify_in_a_world_of_the_users(run):
+    run(*PLAN, "-o", "plan.json")
+    text = Path("problem.yaml").read_text()
+    Path("mine.yaml").write_text(text.replace("two_things", "mine"))
+    done = run("verify", "plan.json", "--problem", "mine.yaml")
+    assert done.code == 0
+    assert done.out == "plan.json: verified with toy_engine, in the world of mine.yaml\n"
+    document = json.loads(run("verify", "plan.json", "--problem", "mine.yaml", "--json").out)
+    assert (document["problem"], document["world"]) == ("mine", "mine.yaml")
+
+
+def test_verify_in_a_world_without_what_the_plan_moves(run):
+    run(*PLAN, "-o", "plan.json")
+    text = Path("problem.yaml").read_text()
+    Path("mine.yaml").write_text(text.replace("name: o1", "name: o2"))
+    done = run("verify", "plan.json", "--problem", "mine.yaml")
+    assert done.code == 2
+    assert done.out == ""
+    assert done.err.endswith(
+        "error: problem 'two_things' does not fit the plan: "
+        "no objects ['o1'] in the problem (valid: ['t', 'o2'])\n"
+    )

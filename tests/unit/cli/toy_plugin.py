@@ -28,6 +28,10 @@ def backend(context, options):
     return SimpleNamespace(breaks=options.breaks)
 
 
+def broken(context, options):
+    return SimpleNamespace(breaks=True)
+
+
 def anything(context, options):
     return object()
 
@@ -97,7 +101,10 @@ def warm_up():
 
 @hookimpl
 def mamo_backends():
-    return [Component("toy_engine", backend, BackendOptions, "falls [never]")]
+    return [
+        Component("toy_engine", backend, BackendOptions, "falls [never]"),
+        Component("toy_wreck", broken),
+    ]
 
 
 @hookimpl

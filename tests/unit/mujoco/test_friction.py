@@ -88,7 +88,8 @@ def test_coefficients_in_the_model(cases, arm):
     frictions = {o.name: o.friction for o in problem.scene.objects}
     loose = [o.name for o in problem.scene.objects if o.mobility is not Mobility.IMMOVABLE]
     found = {}
-    for pair in range(model.npair):
+    between = [p for p in range(model.npair) if not model.pair(p).name.startswith("self:")]
+    for pair in between:
         one, other = (model.geom(int(g[pair])).name for g in (model.pair_geom1, model.pair_geom2))
         found[frozenset((one, other))] = tuple(model.pair_friction[pair, :2])
     assert found == {
@@ -125,7 +126,11 @@ def test_overrides_reach_geoms_pairs_and_bodies(cases, model):
     np.testing.assert_allclose(ratio, 0.7 / 0.2)
     assert changed.geom("bystander").friction[0] == 0.25
     frictions = {o.name: o.friction for o in cases.problem.scene.objects} | {"bystander": 0.25}
-    for pair in range(changed.npair):
+    of_the_robot = [changed.pair(p).name.startswith("self:") for p in range(changed.npair)]
+    assert any(of_the_robot)
+    untouched = np.flatnonzero(of_the_robot)
+    assert np.array_equal(changed.pair_friction[untouched], before[0][untouched])
+    for pair in np.flatnonzero(np.logical_not(of_the_robot)):
         one, other = changed.pair(pair).name.split("|")
         assert changed.pair_friction[pair, 0] == frictions[one] * frictions[other]
     assert np.array_equal(worlds._model.pair_friction, before[0])

@@ -23,7 +23,7 @@ def closing(grasping):
     poses[problem.scene.target_index, 0] -= 0.025  # the pads are behind the tool frame
     problem = replace(problem, initial=SceneState(problem.initial.joint_positions, poses))
     start = motion.start
-    still = Trajectory(np.array([0.0, 0.5]), np.stack([start, start]))
+    still = Trajectory.still(start, 0.5)
     close = MotionSegment(SegmentKind.GRIPPER, still, WIDTH, contact_free=True, closes_on="target")
     holding = tuple(replace(s, opening=WIDTH) for s in motion.segments)
     return problem, Motion((close, *holding), OPEN)

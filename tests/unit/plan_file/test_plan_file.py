@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from mamo_core.errors import InputError
-from mamo_core.plan_file import PlanDocument, package_versions, plan_text, read_plan, write_plan
+from mamo_core.plan_file import (
+    PlanDocument,
+    in_problem,
+    package_versions,
+    plan_text,
+    read_plan,
+    write_plan,
+)
 from mamo_core.types.action import RearrangementAction
 from mamo_core.types.geometry import Box, Cylinder, make_pose
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
@@ -18,10 +25,10 @@ from mamo_core.types.solution import Plan
 DOF = 7
 
 
-def make_problem():
+def make_problem(name="p", target="t", movable="o1", dof=DOF):
     objects = (
-        SceneObject("t", Box([0.06, 0.06, 0.2]), Mobility.TARGET, 0.4, 0.5),
-        SceneObject("o1", Cylinder(0.03, 0.1), Mobility.MOVABLE, 0.3, 0.6),
+        SceneObject(target, Box([0.06, 0.06, 0.2]), Mobility.TARGET, 0.4, 0.5),
+        SceneObject(movable, Cylinder(0.03, 0.1), Mobility.MOVABLE, 0.3, 0.6),
     )
     scene = Scene(
         robot="pr2_right_arm",
@@ -31,9 +38,9 @@ def make_problem():
         workspace=Workspace([0, -0.5, 0.0], [1, 0.5, 1.0]),
     )
     poses = np.array([make_pose([0.5, 0.1, 0.1], 0.3), make_pose([0.4, -0.1, 0.05])])
-    state = SceneState(np.zeros(DOF), poses)
+    state = SceneState(np.zeros(dof), poses)
     grasp = Grasp(make_pose([-0.1, 0, 0]), 0.1, 0.07)
-    return Problem("p", scene, state, np.zeros(DOF), (grasp,))
+    return Problem(name, scene, state, np.zeros(dof), (grasp,))
 
 
 def make_motion(rng, held=None):
@@ -43,26 +50,22 @@ def make_motion(rng, held=None):
     carry = Trajectory([0, 0.2], second, rng.random((2, DOF)))
     segments = (
         MotionSegment(SegmentKind.TRANSIT, go, 0.01, None, True),
-        MotionSegment(SegmentKind.CARRY, carry, 0.07, held, False, 0.5),
+        MotionSegment(SegmentKind.CARRY, carry, 0.07, held, False, 0.5, closes_on=held),
     )
     return Motion(segments, 0.02)
 
 
 def make_document(**changes):
     rng = np.random.default_rng(0)
-    lowest = rng.random((3, 4))
-    lowest[1, 2] = np.inf
     info = {"yaw": np.float64(0.5), "cells": np.arange(2), "note": ("a", None)}
     action = RearrangementAction("push", "o1", make_motion(rng), rng.random((4, 2)), info)
-    region = SweptRegion([0.1, 0.2], 0.01, lowest, 0.0)
-    plan = Plan((action,), make_motion(rng, "t"), region)
+    plan = Plan((action,), make_motion(rng, "t"))
     values = {
         "problem": make_problem(),
         "plan": plan,
         "recipe": {"schema_version": 1, "name": "r", "backend": "toy"},
         "seed": 3,
-        "counts": {"rollouts": 5, "none": 0},
-        "causes": {"o1/push/no_ik": 2},
+        "margin": {"1 mm": 0.9, "5 mm": 1 / 3},
     }
     return PlanDocument(**{**values, **changes})
 
@@ -70,13 +73,8 @@ def make_document(**changes):
 def same_motion(one, two):
     assert one.opening == two.opening
     for a, b in zip(one.segments, two.segments, strict=True):
-        assert (a.kind, a.opening, a.held, a.contact_free, a.settle) == (
-            b.kind,
-            b.opening,
-            b.held,
-            b.contact_free,
-            b.settle,
-        )
+        for name in ("kind", "opening", "held", "contact_free", "settle", "closes_on"):
+            assert getattr(a, name) == getattr(b, name), name
         assert (a.trajectory.times == b.trajectory.times).all()
         assert (a.trajectory.positions == b.trajectory.positions).all()
         assert (a.trajectory.velocities == b.trajectory.velocities).all()
@@ -92,12 +90,10 @@ def test_round_trip_bit_for_bit(tmp_path):
     assert (action.kind, action.object_name) == ("push", "o1")
     assert (action.path == before.plan.actions[0].path).all()
     assert action.info == {"yaw": 0.5, "cells": [0, 1], "note": ["a", None]}
-    assert (after.plan.region.lowest == before.plan.region.lowest).all()
-    assert after.plan.region.resolution == 0.01
     initial = before.problem.initial.object_poses
     assert (after.problem.initial.object_poses == initial).all()
     assert after.recipe == before.recipe
-    assert (after.seed, after.counts, after.causes) == (3, {"rollouts": 5}, {"o1/push/no_ik": 2})
+    assert (after.seed, after.margin) == (3, {"1 mm": 0.9, "5 mm": 1 / 3})
     assert after.versions == package_versions()
     assert plan_text(after) == plan_text(before)
 
@@ -110,10 +106,13 @@ def test_the_text_is_sorted_json_without_times():
     assert {"mamo", "numpy"} <= set(data["versions"])
 
 
-def test_no_region(tmp_path):
-    plan = Plan((), make_document().plan.retrieval)
-    write_plan(tmp_path / "plan.json", make_document(plan=plan))
-    assert read_plan(tmp_path / "plan.json").plan.region is None
+def test_what_nobody_can_check_is_not_written():
+    """The region that was cleared, and counts and causes of the search."""
+    document = make_document()
+    cleared = SweptRegion([0.1, 0.2], 0.01, np.zeros((3, 4)), 0.0)
+    plan = Plan(document.plan.actions, document.plan.retrieval, cleared)
+    assert plan_text(make_document(plan=plan)) == plan_text(document)
+    assert not {"region", "counts", "causes"} & set(json.loads(plan_text(document)))
 
 
 def test_a_failed_write_leaves_the_old_file(tmp_path):
@@ -169,7 +168,9 @@ def test_empty(tmp_path):
         (["retrieval", "segments", 0, "positions", 1], [0.0], "expected rows of one length"),
         (["retrieval", "segments", 0, "times", 0], None, "times.0: null, expected a number"),
         (["retrieval", "segments"], [], "segments: [], expected at least 1 items, there are 0"),
-        (["region", "resolution"], -1, "region.resolution: -1, expected a number above 0"),
+        (["retrieval", "segments", 1, "closes_on"], "o9", "no objects ['o9'] in the problem"),
+        (["margin", "1 mm"], "often", "margin.1 mm: 'often', expected a number"),
+        (["region"], None, "unknown key 'region'"),
         (["problem", "target"], "o9", "'o9'"),
     ],
 )
@@ -190,3 +191,25 @@ def test_wrong_number_of_joints(tmp_path):
                 segment[values] = [row[:3] for row in segment[values]]
 
     assert complaint(tmp_path, change).endswith("a trajectory of 3 joints, the robot has 7")
+
+
+def test_in_a_problem_that_fits_the_plan_is_the_same():
+    before, other = make_document(), make_problem(name="another")
+    after = in_problem(before, other)
+    assert after.problem is other
+    assert after.plan is before.plan
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"movable": "o2"}, "no objects ['o1'] in the problem (valid: ['t', 'o2'])"),
+        ({"target": "goal"}, "no objects ['t'] in the problem (valid: ['goal', 'o1'])"),
+        ({"dof": 6}, "a trajectory of 7 joints, the robot has 6"),
+    ],
+)
+def test_in_a_problem_that_does_not_fit(changes, expected):
+    other = make_problem(name="another", **changes)
+    with pytest.raises(InputError) as caught:
+        in_problem(make_document(), other)
+    assert str(caught.value) == f"problem 'another' does not fit the plan: {expected}"

@@ -6,7 +6,7 @@ import pytest
 from mamo_core.simulation.grip import commanded, in_hand
 from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 
-STILL = Trajectory(np.array([0.0, 0.5]), np.zeros((2, 7)))
+STILL = Trajectory.still(np.zeros(7), 0.5)
 SQUEEZE, PINCH = 0.008, 0.002
 
 

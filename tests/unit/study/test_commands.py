@@ -14,7 +14,7 @@ REAL = f"""\
 schema_version: 1
 name: real
 problems: [{ROOT}/problems/shelf_5_easy_seed1.yaml]
-recipes: [{{recipe: m4m, name: once, set: {{search.iterate: false}}}}]
+recipes: [{{recipe: m4m, name: once, set: {{search.iterate: false, search.nearby: {{}}}}}}]
 budget: 60
 """
 
