@@ -76,8 +76,8 @@ class _Linker:
         if is_new or not (self._folder / picture).exists():
             document = read_plan(self._folder / plan)
             problem = document.problem
-            plan = with_region(problem, document.plan, load_arm(problem.scene.robot))
-            self._draw(picture, problem, plan)
+            drawn = with_region(problem, document.plan, load_arm(problem.scene.robot))
+            self._draw(picture, problem, drawn)
         return Links(picture, plan)
 
     def _problem(self, row: Row) -> str | None:
