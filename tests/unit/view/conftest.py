@@ -7,6 +7,7 @@ import pytest
 
 from mamo_core.testing.transition_cases import gantry_cases
 from mamo_core.types.action import RearrangementAction
+from mamo_core.types.motion import Motion, MotionSegment, SegmentKind, Trajectory
 from mamo_core.types.recording import RecordedExecution, Recording
 from mamo_core.types.region import SweptRegion
 from mamo_core.types.solution import Plan
@@ -62,5 +63,12 @@ def recording(execution):
 def panda(recording, execution):
     """One whose robot a file can name; its arm rests."""
     still = replace(execution("a"), joints=np.zeros((ROWS, 7)))
-    problem = replace(PROBLEM, scene=replace(PROBLEM.scene, robot="panda"))
-    return replace(recording(still), problem=problem)
+    scene = replace(PROBLEM.scene, robot="panda")
+    initial = PROBLEM.initial.with_joints(np.zeros(7))
+    problem = replace(PROBLEM, scene=scene, initial=initial, home=np.zeros(7))
+    rest = Trajectory.still(np.zeros(7), 1.0)
+    motion = Motion((MotionSegment(SegmentKind.TRANSIT, rest, 0.0),) * 2, 0.0)
+    shown = recording(still)
+    actions = tuple(replace(action, motion=motion) for action in shown.plan.actions)
+    plan = replace(shown.plan, actions=actions, retrieval=motion)
+    return replace(shown, problem=problem, plan=plan)
