@@ -69,7 +69,7 @@ def test_plugins_check(mamo):
     assert done.returncode == 0, done.stderr
     document = json.loads(done.stdout)
     assert document["summary"] == {
-        "passed": 43,
+        "passed": 46,
         "failed": 0,
         "declared_unsupported": 1,
         "known_gaps": 0,

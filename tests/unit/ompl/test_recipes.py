@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[3]
 
 def test_m4m_solves_with_it():
     problem = load_problem(ROOT / "problems/shelf_5_easy_seed1.yaml")
-    recipe = chosen_recipe("m4m", settings=("arm_planner=ompl_rrt_connect",))
+    recipe = chosen_recipe("m4m", settings=("arm_planner=ompl_rrt_connect", "search.nearby={}"))
     planner = compose(recipe, problem, discover())
     assert type(planner.context.arm_planner).__name__ == "OmplArmPlanner"
     solution = planner.solve(seed=0)
