@@ -61,7 +61,8 @@ demo: $(WARM)
 pictures: demo
 	cp $(DEMO)/plan.png docs/images/demo.png
 	$(BIN)/mamo view $(DEMO)/plan.json --still docs/images/demo_3d.png --gif docs/images/replay.gif
-	$(BIN)/mamo plan $(DEMO)/problem.json --planner em4m --graph docs/images/search.svg
+	$(BIN)/mamo plan $(DEMO)/problem.json --planner em4m --set 'search.nearby={}' \
+		--graph docs/images/search.svg
 	$(BIN)/mamo plan problems/impossible/into_glass.yaml --set search.regions=2 \
 		--png docs/images/no_plan.png; test $$? -eq 3
 
