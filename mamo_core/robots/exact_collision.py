@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from functools import cache, cached_property
-from pathlib import Path
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from mamo_core.interfaces.collision_checker import CollisionChecker, CollisionWorld, HeldObject
+from mamo_core.robots.fcl_shapes import half_size, mesh_tree, placed_at, solid
 from mamo_core.robots.kinematics import link_transforms_along
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.self_collision import SelfCollisions
 from mamo_core.robots.timing import interpolated
-from mamo_core.types.geometry import Array, BoolArray, Box, IntArray, Shape, matrix_from_pose
+from mamo_core.types.geometry import Array, BoolArray, IntArray, Shape, matrix_from_pose
 from mamo_core.types.scene import Scene
 
 _EDGE_STEP = 0.02
@@ -55,8 +55,8 @@ class _Obstacle:
         """The fcl object; most obstacles are never asked for it."""
         import fcl
 
-        transform = _fcl_transform(fcl, self.T_world_obstacle)
-        return fcl.CollisionObject(_geometry(self.shape), transform)
+        transform = placed_at(fcl, self.T_world_obstacle)
+        return fcl.CollisionObject(solid(self.shape), transform)
 
 
 class ExactWorld(CollisionWorld):
@@ -116,7 +116,7 @@ class ExactWorld(CollisionWorld):
         T_world_pieces = self._T_world_base @ (links[self._links] @ self._T_link_pieces)
         touching = set()
         for _, k, j in self._near(T_world_pieces).tolist():
-            transform = _fcl_transform(fcl, T_world_pieces[k, 0])
+            transform = placed_at(fcl, T_world_pieces[k, 0])
             piece = fcl.CollisionObject(self._pieces[k].geometry, transform)
             if fcl.collide(piece, self._obstacles[j].item):
                 touching.add(self._pieces[k].number)
@@ -132,7 +132,7 @@ class ExactWorld(CollisionWorld):
         for row, k, j in self._near(T_world_pieces).tolist():
             if row == done:
                 continue
-            transform = _fcl_transform(fcl, T_world_pieces[k, row])
+            transform = placed_at(fcl, T_world_pieces[k, row])
             piece = fcl.CollisionObject(self._pieces[k].geometry, transform)
             if fcl.collide(piece, self._obstacles[j].item):
                 done = row
@@ -194,7 +194,7 @@ class ExactChecker(CollisionChecker):
         self._T_world_base = matrix_from_pose(scene.T_world_base)
         self._own = SelfCollisions(arm)
         self._links = [
-            _Piece(number, *_mesh(path), np.eye(4))
+            _Piece(number, *mesh_tree(path), np.eye(4))
             for number, link in enumerate(arm.links)
             for path in link.meshes
         ]
@@ -222,42 +222,9 @@ class ExactChecker(CollisionChecker):
 
     def _held(self, held: HeldObject) -> _Piece:
         T = self._arm.T_link_tool @ held.T_tool_object
-        geometry, half = _geometry(held.shape), _half_size(held.shape)
+        geometry, half = solid(held.shape), half_size(held.shape)
         return _Piece(self._arm.tool_link, geometry, np.zeros(3), half, T)
 
 
 def _obstacle(name: str, shape: Shape, pose: Array) -> _Obstacle:
-    return _Obstacle(name, shape, matrix_from_pose(pose), _half_size(shape))
-
-
-def _half_size(shape: Shape) -> Array:
-    if isinstance(shape, Box):
-        return shape.size / 2.0
-    return np.array([shape.radius, shape.radius, shape.height / 2.0])
-
-
-def _geometry(shape: Shape) -> Any:
-    import fcl
-
-    if isinstance(shape, Box):
-        return fcl.Box(*shape.size)
-    return fcl.Cylinder(shape.radius, shape.height)
-
-
-@cache
-def _mesh(path: Path) -> tuple[Any, Array, Array]:
-    """The mesh as a tree, built once as it never changes, and its box: centre and half size."""
-    import fcl
-    import trimesh
-
-    mesh = trimesh.load(path, force="mesh")
-    model = fcl.BVHModel()
-    model.beginModel(len(mesh.vertices), len(mesh.faces))
-    model.addSubModel(mesh.vertices, mesh.faces)
-    model.endModel()
-    lower, upper = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    return model, (lower + upper) / 2.0, (upper - lower) / 2.0
-
-
-def _fcl_transform(fcl: Any, T: Array) -> Any:
-    return fcl.Transform(np.ascontiguousarray(T[:3, :3]), np.ascontiguousarray(T[:3, 3]))
+    return _Obstacle(name, shape, matrix_from_pose(pose), half_size(shape))

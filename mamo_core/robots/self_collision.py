@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from mamo_core.interfaces.collision_checker import HeldObject
+from mamo_core.robots.fcl_shapes import half_size, mesh_tree, placed_at, solid
 from mamo_core.robots.kinematics import link_transforms_along, tool_transform
 from mamo_core.robots.model import ArmModel
 from mamo_core.robots.timing import sampled
 from mamo_core.types.geometry import (
     Array,
     BoolArray,
-    Box,
     IntArray,
-    Shape,
     invert,
     matrix_from_pose,
 )
@@ -56,7 +54,7 @@ class SelfCollisions:
         links = len(arm.links)
         names = [*arm.part_names]
         pieces = [
-            _Piece(number, number if number < links else -1, *_mesh(path), np.eye(4))
+            _Piece(number, number if number < links else -1, *_ball(path), np.eye(4))
             for number, part in enumerate(arm.parts)
             for path in part.meshes
         ]
@@ -106,7 +104,7 @@ class SelfCollisions:
                 continue
             a, b = self._pairs[pair]
             one, other = (
-                fcl.CollisionObject(self._pieces[n].geometry, _transform(fcl, placed[n][row]))
+                fcl.CollisionObject(self._pieces[n].geometry, placed_at(fcl, placed[n][row]))
                 for n in (a, b)
             )
             if fcl.collide(one, other):
@@ -134,42 +132,15 @@ def _of_hand(arm: ArmModel, number: int, hand: int) -> bool:
 
 
 def _held(arm: ArmModel, held: HeldObject) -> _Piece:
-    radius = float(np.linalg.norm(_half_size(held.shape)))
+    radius = float(np.linalg.norm(half_size(held.shape)))
     T = arm.T_link_tool @ held.T_tool_object
-    return _Piece(-1, arm.tool_link, _solid(held.shape), np.zeros(3), radius, T)
+    return _Piece(-1, arm.tool_link, solid(held.shape), np.zeros(3), radius, T)
 
 
-def _half_size(shape: Shape) -> Array:
-    if isinstance(shape, Box):
-        return shape.size / 2.0
-    return np.array([shape.radius, shape.radius, shape.height / 2.0])
-
-
-def _solid(shape: Shape) -> Any:
-    import fcl
-
-    if isinstance(shape, Box):
-        return fcl.Box(*shape.size)
-    return fcl.Cylinder(shape.radius, shape.height)
-
-
-@cache
-def _mesh(path: Path) -> tuple[Any, Array, float]:
-    """The mesh as a tree, and the ball around it."""
-    import fcl
-    import trimesh
-
-    mesh = trimesh.load(path, force="mesh")
-    tree = fcl.BVHModel()
-    tree.beginModel(len(mesh.vertices), len(mesh.faces))
-    tree.addSubModel(mesh.vertices, mesh.faces)
-    tree.endModel()
-    centre = (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0)) / 2.0
-    return tree, centre, float(np.linalg.norm(mesh.vertices - centre, axis=1).max())
-
-
-def _transform(fcl: Any, T: Array) -> Any:
-    return fcl.Transform(np.ascontiguousarray(T[:3, :3]), np.ascontiguousarray(T[:3, 3]))
+def _ball(path: Path) -> tuple[Any, Array, float]:
+    """The mesh as a tree, and the ball around its box."""
+    tree, centre, half = mesh_tree(path)
+    return tree, centre, float(np.linalg.norm(half))
 
 
 def check_self_collisions(
